@@ -1,0 +1,11 @@
+//! Trees at any level of detail on a GPU that exists only in software, with every byte counted.
+#![warn(missing_docs)]
+
+pub mod document;
+pub mod math;
+pub mod plant;
+pub mod raster;
+pub mod simplify;
+
+#[doc = include_str!("references.md")]
+pub mod references {}

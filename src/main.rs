@@ -1,0 +1,3 @@
+//! The `spinney` program: arguments in, exit code out.
+
+fn main() {}

@@ -1,0 +1,65 @@
+//! The fragment stage: what decides whether a pixel is there and which colour it has.
+
+use crate::math::{Vec2, Vec4};
+
+/// The most floats a vertex that are interpolated.
+pub const MAX_VARYINGS: usize = 8;
+
+/// The most floats a primitive that are constant over it.
+pub const MAX_FLATS: usize = 8;
+
+/// A fragment stage: pure functions of a pixel, compiled into the tile loop.
+///
+/// Attributes are those at the pixel's centre, also where several samples are taken.
+pub trait Fragment: Send + Sync + std::fmt::Debug {
+    /// Floats a vertex that are interpolated, at most [`MAX_VARYINGS`]. By convention a texture
+    /// coordinate, if there is one, comes first: its derivatives choose the mip level.
+    const VARYINGS: usize;
+    /// Floats a primitive that are constant over it, at most [`MAX_FLATS`].
+    const FLATS: usize;
+    /// Whether [`keeps`](Self::keeps) may answer `false`.
+    const TESTS_ALPHA: bool;
+
+    /// The alpha test: whether the pixel is there at all.
+    fn keeps(&self, pixel: &Pixel<'_>) -> bool;
+
+    /// The linear colour, with straight alpha for [`Blend::Alpha`](super::Blend::Alpha).
+    fn shade(&self, pixel: &Pixel<'_>) -> Vec4;
+}
+
+/// What a fragment stage may know of a pixel.
+#[derive(Debug, Clone, Copy)]
+pub struct Pixel<'a> {
+    /// Interpolated floats; the first [`Fragment::VARYINGS`] are set.
+    pub varyings: &'a [f32; MAX_VARYINGS],
+    /// How the first two varyings change from this pixel to the next on the right.
+    pub derivative_x: Vec2,
+    /// How the first two varyings change from this pixel to the next below.
+    pub derivative_y: Vec2,
+    /// The primitive's [`Fragment::FLATS`] floats.
+    pub flats: &'a [f32],
+    /// Whether the triangle is seen from its front: counter-clockwise with y upwards.
+    pub front: bool,
+    /// Column and row.
+    pub position: [u32; 2],
+    /// Depth from 0 (near) to 1 (far).
+    pub depth: f32,
+}
+
+/// A [`Fragment`] behind a pointer; implemented for every fragment stage, and nowhere else.
+pub trait Kernel: Send + Sync + std::fmt::Debug {
+    /// [`Fragment::VARYINGS`].
+    fn varyings(&self) -> usize;
+    /// [`Fragment::FLATS`].
+    fn flats(&self) -> usize;
+}
+
+impl<F: Fragment> Kernel for F {
+    fn varyings(&self) -> usize {
+        F::VARYINGS
+    }
+
+    fn flats(&self) -> usize {
+        F::FLATS
+    }
+}

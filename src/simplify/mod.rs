@@ -1,0 +1,16 @@
+//! Offline simplification: a plant in, a sequence of reversible steps out; pure functions.
+//!
+//! ```text
+//! Plant.foliage ─collapse_leaves─▶ CollapseSequence ─Clusters::of─▶ Clusters
+//!   quad leaves                      old1, old2 → new                 arrays in consumption order
+//! ```
+//!
+//! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
+//! consumed at most once, only after it exists, and every new leaf uses vertices of its own
+//! originals with their corner roles kept.
+
+mod clusters;
+mod sequence;
+
+pub use clusters::{Cluster, Clusters, Record};
+pub use sequence::{Collapse, CollapseSequence, SequenceError};
