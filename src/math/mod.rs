@@ -48,6 +48,12 @@ impl Digester {
         digester
     }
 
+    /// A digester that begins with nothing, for digests whose layout is a contract of its own.
+    #[must_use]
+    pub fn plain() -> Self {
+        Self::default()
+    }
+
     /// Adds bytes as they are, without their length.
     pub fn raw(&mut self, bytes: &[u8]) -> &mut Self {
         self.0.update(bytes);

@@ -1,5 +1,6 @@
 //! The fragment stage: what decides whether a pixel is there and which colour it has.
 
+use super::tile::Passes;
 use crate::math::{Vec2, Vec4};
 
 /// The most floats a vertex that are interpolated.
@@ -22,6 +23,16 @@ pub trait Fragment: Send + Sync + std::fmt::Debug {
 
     /// The alpha test: whether the pixel is there at all.
     fn keeps(&self, pixel: &Pixel<'_>) -> bool;
+
+    /// Texels that one [`keeps`](Self::keeps) reads; counted under exact counters.
+    fn texels_tested(&self) -> u64 {
+        0
+    }
+
+    /// Texels that one [`shade`](Self::shade) reads; counted under exact counters.
+    fn texels_shaded(&self) -> u64 {
+        0
+    }
 
     /// The linear colour, with straight alpha for [`Blend::Alpha`](super::Blend::Alpha).
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4;
@@ -47,7 +58,7 @@ pub struct Pixel<'a> {
 }
 
 /// A [`Fragment`] behind a pointer; implemented for every fragment stage, and nowhere else.
-pub trait Kernel: Send + Sync + std::fmt::Debug {
+pub trait Kernel: Passes + Send + Sync + std::fmt::Debug {
     /// [`Fragment::VARYINGS`].
     fn varyings(&self) -> usize;
     /// [`Fragment::FLATS`].

@@ -8,9 +8,23 @@
 //! This stage knows neither buffers nor buses nor trees: it is handed vertices after the vertex
 //! stage, and a [`Kernel`] that tests alpha and computes colour.
 
+mod bin;
+mod clip;
+mod colour;
+mod cover;
+mod frame;
 mod kernel;
+mod pass;
+mod plane;
+mod setup;
+mod shade;
+mod texture;
+mod tile;
 
+pub use frame::{Image, Target};
 pub use kernel::{Fragment, Kernel, MAX_FLATS, MAX_VARYINGS, Pixel};
+pub use pass::{Options, render};
+pub use texture::{MipMap, Wrap};
 
 use crate::math::Vec4;
 
@@ -88,6 +102,50 @@ pub enum Samples {
     One,
     /// Four, in the standard rotated grid.
     Four,
+}
+
+impl Samples {
+    /// How many there are.
+    #[must_use]
+    pub fn count(self) -> usize {
+        self.offsets().len()
+    }
+
+    /// Where they are in their pixel, in sub-pixels from its top-left corner: x, then y.
+    #[must_use]
+    pub fn offsets(self) -> &'static [[i32; 2]] {
+        match self {
+            Self::One => &[[128, 128]],
+            Self::Four => &[[96, 32], [224, 96], [32, 160], [160, 224]],
+        }
+    }
+}
+
+/// How much of a target is decided at a time; no picture depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TileSize {
+    /// 32 × 32 pixels.
+    Side32,
+    /// 64 × 64 pixels.
+    Side64,
+}
+
+impl TileSize {
+    fn side(self) -> u32 {
+        match self {
+            Self::Side32 => 32,
+            Self::Side64 => 64,
+        }
+    }
+}
+
+/// Which counters of [`Work`] are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counters {
+    /// `visible` alone; the others stay 0, and work that changes no picture is left out.
+    Visible,
+    /// All: every sample is rasterized, whatever hides it.
+    Exact,
 }
 
 /// What was done, in samples; the same for any number of threads and tile size when `exact`.

@@ -1,0 +1,307 @@
+//! The target: what every sample holds, and the picture it becomes.
+
+use rayon::prelude::*;
+
+use super::colour::{Encoder, unit_byte};
+use super::{Key, Samples};
+use crate::math::{Digest, Digester, Vec4};
+
+/// Colour, depth and what shows, for every sample.
+///
+/// Stored in blocks of 64 × 64 pixels, so that threads own what they write, and so that clearing
+/// costs nothing until a block is drawn into.
+#[derive(Debug, Clone)]
+pub struct Target {
+    width: u32,
+    height: u32,
+    samples: Samples,
+    /// What samples of fresh blocks hold.
+    clear_colour: Vec4,
+    clear_depth: u32,
+    columns: usize,
+    pub(super) blocks: Vec<Block>,
+}
+
+/// Pixels a side of the blocks in which a target is stored.
+pub(super) const BLOCK_SIDE: u32 = 64;
+
+/// 64 × 64 pixels, rows from the top, the samples of a pixel together. Empty until first drawn into.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Block {
+    /// Drawn into since the target was cleared; otherwise all samples are as cleared.
+    used: bool,
+    pub(super) depth: Vec<u32>,
+    pub(super) colour: Vec<Vec4>,
+    pub(super) shown: Vec<Key>,
+}
+
+/// What shows where nothing was drawn. Greater than all keys, and never drawn itself.
+const NOTHING: Key = Key {
+    group: u32::MAX,
+    instance: u32::MAX,
+    vertex: u32::MAX,
+    triangle: u32::MAX,
+};
+
+impl Target {
+    /// The largest width or height in pixels.
+    pub const MAX_SIDE: u32 = 16384;
+
+    /// A target cleared to transparent black at depth 1.
+    ///
+    /// # Panics
+    ///
+    /// When a side is above [`Target::MAX_SIDE`]; sides are checked where they enter.
+    #[must_use]
+    pub fn new(width: u32, height: u32, samples: Samples) -> Self {
+        assert!(
+            width.max(height) <= Self::MAX_SIDE,
+            "a target of {width} × {height} pixels passed the border, the most is {}",
+            Self::MAX_SIDE
+        );
+        let blocks = |side: u32| side.div_ceil(BLOCK_SIDE) as usize;
+        Self {
+            width,
+            height,
+            samples,
+            clear_colour: Vec4::ZERO,
+            clear_depth: 1.0_f32.to_bits(),
+            columns: blocks(width),
+            blocks: vec![Block::default(); blocks(width) * blocks(height)],
+        }
+    }
+
+    /// Columns of pixels.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows of pixels.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Samples a pixel.
+    #[must_use]
+    pub fn samples(&self) -> Samples {
+        self.samples
+    }
+
+    /// Gives all samples a linear colour and a depth within [0, 1], and lets nothing show.
+    pub fn clear(&mut self, colour: Vec4, depth: f32) {
+        self.clear_colour = colour;
+        self.clear_depth = super::setup::clamp_depth(depth).to_bits();
+        for block in &mut self.blocks {
+            block.used = false;
+        }
+    }
+
+    /// What shows at the first sample of a pixel; `None` where nothing was drawn since the target
+    /// was cleared, or where there is no pixel. Blended fragments show through.
+    #[must_use]
+    pub fn key(&self, x: u32, y: u32) -> Option<Key> {
+        let (block, index) = self.place(x, y)?;
+        let key = block.shown[index * self.samples.count()];
+        (key != NOTHING).then_some(key)
+    }
+
+    /// The depth of the first sample of a pixel, from 0 (near) to 1 (far); the depth it was cleared
+    /// to where there is no pixel.
+    #[must_use]
+    pub fn depth(&self, x: u32, y: u32) -> f32 {
+        let depth = self.place(x, y).map_or(self.clear_depth, |(block, index)| {
+            block.depth[index * self.samples.count()]
+        });
+        f32::from_bits(depth)
+    }
+
+    /// The linear colour of a pixel: of four samples the mean, `((a + b) + (c + d)) / 4`.
+    #[must_use]
+    pub fn colour(&self, x: u32, y: u32) -> Vec4 {
+        self.place(x, y)
+            .map_or(self.clear_colour, |(block, index)| {
+                block.resolve(index, self.samples)
+            })
+    }
+
+    /// The linear colours of all pixels, rows from the top.
+    #[must_use]
+    pub fn linear(&self) -> Vec<Vec4> {
+        let mut colours = vec![self.clear_colour; self.width as usize * self.height as usize];
+        let rows = colours.par_chunks_mut(self.width.max(1) as usize);
+        rows.zip(0..self.height).for_each(|(row, y)| {
+            for (colour, x) in row.iter_mut().zip(0..) {
+                *colour = self.colour(x, y);
+            }
+        });
+        colours
+    }
+
+    /// The picture: the mean of samples in linear light, then sRGB.
+    #[must_use]
+    pub fn resolve(&self) -> Image {
+        let mut rgba = vec![0; 4 * self.width as usize * self.height as usize];
+        let encoder = Encoder::new();
+        let clear = encode(encoder, self.clear_colour);
+        let rows = rgba.par_chunks_mut(4 * self.width.max(1) as usize);
+        rows.zip(0..self.height).for_each(|(row, y)| {
+            let blocks = &self.blocks[(y / BLOCK_SIDE) as usize * self.columns..];
+            let first = ((y % BLOCK_SIDE) * BLOCK_SIDE) as usize;
+            for (pixels, block) in row.chunks_mut(4 * BLOCK_SIDE as usize).zip(blocks) {
+                for (index, pixel) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                    *pixel = if block.used {
+                        encode(encoder, block.resolve(first + index, self.samples))
+                    } else {
+                        clear
+                    };
+                }
+            }
+        });
+        Image {
+            width: self.width,
+            height: self.height,
+            rgba,
+        }
+    }
+
+    /// The block of a pixel that was drawn into, and the pixel's place in it.
+    fn place(&self, x: u32, y: u32) -> Option<(&Block, usize)> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let (column, row) = (x / BLOCK_SIDE, y / BLOCK_SIDE);
+        let block = &self.blocks[row as usize * self.columns + column as usize];
+        let index = (y % BLOCK_SIDE) * BLOCK_SIDE + x % BLOCK_SIDE;
+        block.used.then_some((block, index as usize))
+    }
+
+    /// The blocks to draw into, with what it takes to make them ready.
+    pub(super) fn parts(&mut self) -> (Ready, usize, &mut [Block]) {
+        let ready = Ready {
+            count: (BLOCK_SIDE * BLOCK_SIDE) as usize * self.samples.count(),
+            colour: self.clear_colour,
+            depth: self.clear_depth,
+        };
+        (ready, self.columns, &mut self.blocks)
+    }
+}
+
+/// Makes blocks ready to be drawn into.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ready {
+    count: usize,
+    colour: Vec4,
+    depth: u32,
+}
+
+impl Ready {
+    /// Fills a block that was not drawn into since the target was cleared.
+    pub(super) fn make(self, block: &mut Block) {
+        if !block.used {
+            block.used = true;
+            refill(&mut block.depth, self.count, self.depth);
+            refill(&mut block.colour, self.count, self.colour);
+            refill(&mut block.shown, self.count, NOTHING);
+        }
+    }
+}
+
+fn refill<T: Copy>(values: &mut Vec<T>, count: usize, value: T) {
+    values.clear();
+    values.resize(count, value);
+}
+
+impl Block {
+    #[inline]
+    fn resolve(&self, index: usize, samples: Samples) -> Vec4 {
+        match samples {
+            Samples::One => self.colour[index],
+            Samples::Four => {
+                let four = &self.colour[4 * index..4 * index + 4];
+                ((four[0] + four[1]) + (four[2] + four[3])) * 0.25
+            }
+        }
+    }
+}
+
+#[inline]
+fn encode(encoder: Encoder, colour: Vec4) -> [u8; 4] {
+    [
+        encoder.srgb(colour.x),
+        encoder.srgb(colour.y),
+        encoder.srgb(colour.z),
+        unit_byte(colour.w),
+    ]
+}
+
+/// A picture as it is written to files: sRGB colour, linear alpha, 8 bits a channel.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Image {
+    /// Columns of pixels.
+    pub width: u32,
+    /// Rows of pixels.
+    pub height: u32,
+    /// The bytes R, G, B, A of each pixel, row by row from the top.
+    pub rgba: Vec<u8>,
+}
+
+impl Image {
+    /// The picture's digest: BLAKE3 over width and height, each as a little-endian `u32`, and
+    /// `rgba`, and nothing else.
+    #[must_use]
+    pub fn digest(&self) -> Digest {
+        let mut digester = Digester::plain();
+        digester.u32(self.width).u32(self.height).raw(&self.rgba);
+        digester.finish()
+    }
+}
+
+impl std::fmt::Debug for Image {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (width, height) = (self.width, self.height);
+        write!(out, "Image({width} × {height}, {})", self.digest())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cleared_target_is_its_clear_colour() {
+        let mut target = Target::new(65, 2, Samples::Four);
+        target.clear(Vec4::new(1.0, 0.0, 0.5, 1.0), 0.25);
+        let image = target.resolve();
+        assert_eq!(image.rgba.len(), 4 * 65 * 2);
+        assert!(
+            image
+                .rgba
+                .chunks(4)
+                .all(|pixel| pixel == [255, 0, 188, 255])
+        );
+        assert_eq!(target.depth(64, 1), 0.25);
+        assert_eq!(target.key(64, 1), None);
+        assert_eq!(target.linear().len(), 130);
+    }
+
+    #[test]
+    fn an_empty_target_is_an_empty_picture() {
+        let target = Target::new(0, 3, Samples::One);
+        assert!(target.resolve().rgba.is_empty());
+        assert!(target.linear().is_empty());
+        assert_eq!(target.key(0, 0), None);
+    }
+
+    #[test]
+    fn a_digest_covers_size_and_bytes_and_nothing_else() {
+        let image = Image {
+            width: 1,
+            height: 1,
+            rgba: vec![1, 2, 3, 4],
+        };
+        let bytes = [1, 0, 0, 0, 1, 0, 0, 0, 1, 2, 3, 4];
+        assert_eq!(image.digest(), Digest(*blake3::hash(&bytes).as_bytes()));
+    }
+}

@@ -1,0 +1,184 @@
+//! Edge functions and what is interpolated by them: exact integers, then `f32` in a stated order.
+
+use super::setup::{Chunk, SUBPIXELS, Triangle, inverse_w};
+use super::{Batch, Fragment, MAX_VARYINGS, Pixel};
+use crate::math::Vec2;
+
+/// The three edge functions of a triangle; the one numbered `k` is 0 on the edge that faces corner
+/// `k` and positive within.
+///
+/// In units of half a square sub-pixel; their sum is twice the area everywhere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edges {
+    /// At the origin: sub-pixel (0, 0) of the target.
+    origin: [i64; 3],
+    /// Gained a sub-pixel to the right.
+    pub(super) right: [i64; 3],
+    /// Gained a sub-pixel downwards.
+    pub(super) down: [i64; 3],
+    /// Added before the comparison with 0: nothing on top and left edges, −1 on others.
+    pub(super) bias: [i64; 3],
+}
+
+impl Edges {
+    #[inline]
+    pub(super) fn of(triangle: &Triangle) -> Self {
+        let mut edges = Self {
+            origin: [0; 3],
+            right: [0; 3],
+            down: [0; 3],
+            bias: [0; 3],
+        };
+        for facing in 0..3 {
+            let (from, to) = ((facing + 1) % 3, (facing + 2) % 3);
+            let (x, y) = (i64::from(triangle.x[from]), i64::from(triangle.y[from]));
+            let dx = i64::from(triangle.x[to]) - x;
+            let dy = i64::from(triangle.y[to]) - y;
+            edges.origin[facing] = dy * x - dx * y;
+            edges.right[facing] = -dy;
+            edges.down[facing] = dx;
+            // Left edges run upwards, top edges rightwards, since the area is positive.
+            edges.bias[facing] = if dy < 0 || (dy == 0 && dx > 0) { 0 } else { -1 };
+        }
+        edges
+    }
+
+    /// At the centre of a pixel.
+    #[inline]
+    pub(super) fn at_pixel(&self, x: i32, y: i32) -> [i64; 3] {
+        let centre = |pixel: i32| i64::from(pixel * SUBPIXELS + SUBPIXELS / 2);
+        let (x, y) = (centre(x), centre(y));
+        std::array::from_fn(|k| self.origin[k] + self.right[k] * x + self.down[k] * y)
+    }
+}
+
+/// The depth of a triangle at a point given by its second and third edge functions.
+#[inline]
+pub(super) fn depth_at(triangle: &Triangle, edges: [f32; 2]) -> f32 {
+    let [second, third] = triangle.depth_slopes;
+    super::setup::clamp_depth(triangle.depth + (edges[0] * second + edges[1] * third))
+}
+
+/// The second and third edge functions as floats, each rounded once.
+#[inline]
+pub(super) fn coordinates(edges: [i64; 3]) -> [f32; 2] {
+    [edges[1] as f32, edges[2] as f32]
+}
+
+/// A quantity that is affine on the target: `base + (e₁ · slope₁ + e₂ · slope₂)`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Plane {
+    base: f32,
+    slopes: [f32; 2],
+}
+
+impl Plane {
+    #[inline]
+    fn new(at: [f32; 3], inverse_area: f32) -> Self {
+        Self {
+            base: at[0],
+            slopes: [
+                (at[1] - at[0]) * inverse_area,
+                (at[2] - at[0]) * inverse_area,
+            ],
+        }
+    }
+
+    #[inline]
+    fn at(self, edges: [f32; 2]) -> f32 {
+        self.base + self.change(edges)
+    }
+
+    #[inline]
+    fn change(self, edges: [f32; 2]) -> f32 {
+        edges[0] * self.slopes[0] + edges[1] * self.slopes[1]
+    }
+}
+
+/// All that a fragment stage is told of the pixels of a triangle.
+#[derive(Debug)]
+pub(super) struct Attributes<'a> {
+    inverse_w: Plane,
+    /// The varyings over `w`.
+    varyings: [Plane; MAX_VARYINGS],
+    /// The second and third edge functions gained a pixel to the right, and downwards.
+    steps: [[f32; 2]; 2],
+    flats: &'a [f32],
+    front: bool,
+}
+
+impl<'a> Attributes<'a> {
+    #[inline]
+    pub(super) fn of<F: Fragment>(
+        triangle: &Triangle,
+        edges: &Edges,
+        chunk: &Chunk,
+        batch: &Batch<'a>,
+    ) -> Self {
+        let geometry = batch.geometry;
+        let corners = triangle.corners.map(|corner| corner as usize);
+        let over_w = if triangle.cut {
+            corners.map(|corner| chunk.cut.inverse_w[corner])
+        } else {
+            corners.map(|corner| inverse_w(f64::from(geometry.clip[corner].w)))
+        };
+        let mut varyings = [Plane::default(); MAX_VARYINGS];
+        if triangle.cut {
+            let at = corners.map(|corner| &chunk.cut.varyings[corner]);
+            for (k, plane) in varyings[..F::VARYINGS].iter_mut().enumerate() {
+                let values = std::array::from_fn(|c| at[c][k] * over_w[c]);
+                *plane = Plane::new(values, triangle.inverse_area);
+            }
+        } else {
+            let at =
+                corners.map(|corner| &geometry.varyings[corner * F::VARYINGS..][..F::VARYINGS]);
+            for (k, plane) in varyings[..F::VARYINGS].iter_mut().enumerate() {
+                let values = std::array::from_fn(|c| at[c][k] * over_w[c]);
+                *plane = Plane::new(values, triangle.inverse_area);
+            }
+        }
+        let step = |gain: [i64; 3]| coordinates(gain.map(|gain| gain * i64::from(SUBPIXELS)));
+        Self {
+            inverse_w: Plane::new(over_w, triangle.inverse_area),
+            varyings,
+            steps: [step(edges.right), step(edges.down)],
+            flats: &geometry.flats[triangle.primitive as usize * F::FLATS..][..F::FLATS],
+            front: triangle.front,
+        }
+    }
+
+    /// Hands `use_pixel` the pixel whose centre has these second and third edge functions.
+    #[inline]
+    pub(super) fn pixel<F: Fragment, R>(
+        &self,
+        edges: [f32; 2],
+        position: [u32; 2],
+        depth: f32,
+        use_pixel: impl FnOnce(&Pixel<'_>) -> R,
+    ) -> R {
+        let w = 1.0 / self.inverse_w.at(edges);
+        let mut varyings = [0.0; MAX_VARYINGS];
+        for (value, plane) in varyings[..F::VARYINGS].iter_mut().zip(&self.varyings) {
+            *value = plane.at(edges) * w;
+        }
+        // (U / q)' = (U' − (U / q) q') / q, with U and q affine.
+        let derivative = |step: [f32; 2]| {
+            let change_of_inverse = self.inverse_w.change(step);
+            let change =
+                |k: usize| (self.varyings[k].change(step) - varyings[k] * change_of_inverse) * w;
+            Vec2::new(
+                if F::VARYINGS > 0 { change(0) } else { 0.0 },
+                if F::VARYINGS > 1 { change(1) } else { 0.0 },
+            )
+        };
+        use_pixel(&Pixel {
+            varyings: &varyings,
+            derivative_x: derivative(self.steps[0]),
+            derivative_y: derivative(self.steps[1]),
+            flats: self.flats,
+            front: self.front,
+            position,
+            depth,
+        })
+    }
+}

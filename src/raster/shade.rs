@@ -1,0 +1,116 @@
+//! Colour: of what won, once a pixel and primitive; and of what is blended, in order.
+
+use std::ops::Range;
+
+use super::cover::visit_pixels;
+use super::plane::{Attributes, Edges, coordinates, depth_at};
+use super::setup::key;
+use super::tile::{NOBODY, Tile};
+use super::{Counters, Fragment};
+use crate::math::Vec4;
+
+/// Shades what the triangles `entries` won, as the tile's items list it.
+pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
+    kernel: &F,
+    tile: &mut Tile<'_>,
+    entries: Range<usize>,
+) {
+    let exact = tile.scene.counters == Counters::Exact;
+    for entry in entries {
+        let range = tile.scratch.items.of(entry);
+        if range.is_empty() {
+            continue;
+        }
+        let (triangle, chunk, batch) = tile.triangle(entry);
+        let edges = Edges::of(triangle);
+        let attributes = Attributes::of::<F>(triangle, &edges, chunk, batch);
+        let shown = key(batch, triangle);
+        for place in range {
+            let item = tile.scratch.items.list[place];
+            let [x, y] = tile.pixel_at(item.index());
+            let centre = coordinates(edges.at_pixel(x, y));
+            let position = [x, y].map(i32::unsigned_abs);
+            let depth = depth_at(triangle, centre);
+            let colour =
+                attributes.pixel::<F, _>(centre, position, depth, |pixel| kernel.shade(pixel));
+            for sample in 0..SAMPLES {
+                if item.mask() >> sample & 1 == 1 {
+                    let index = item.index() * SAMPLES + sample;
+                    tile.colour[index] = colour;
+                    tile.shown[index] = shown;
+                    tile.scratch.owner[index] = NOBODY;
+                    tile.work.visible += u64::from(!tile.scratch.drawn[index]);
+                    tile.scratch.drawn[index] = true;
+                }
+            }
+            if exact {
+                tile.work.texels += kernel.texels_shaded();
+            }
+        }
+    }
+}
+
+/// Blends the triangles `entries` over what is there.
+pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
+    kernel: &F,
+    tile: &mut Tile<'_>,
+    entries: Range<usize>,
+) {
+    let exact = tile.scene.counters == Counters::Exact;
+    for entry in entries {
+        let (triangle, chunk, batch) = tile.triangle(entry);
+        let edges = Edges::of(triangle);
+        let mut attributes = None;
+        visit_pixels::<SAMPLES>(tile, entry, &edges, |tile, covered| {
+            let mut nearer = 0_u32;
+            for sample in 0..SAMPLES {
+                let depth = depth_at(triangle, coordinates(covered.samples[sample])).to_bits();
+                let passes = depth < tile.depth[covered.index * SAMPLES + sample];
+                nearer |= u32::from(passes) << sample;
+            }
+            nearer &= covered.mask;
+            if exact {
+                tile.work.covered += u64::from(covered.mask.count_ones());
+            } else if nearer == 0 {
+                return;
+            }
+            let attributes = attributes
+                .get_or_insert_with(|| Attributes::of::<F>(triangle, &edges, chunk, batch));
+            let centre = coordinates(covered.centre);
+            let depth = depth_at(triangle, centre);
+            let mut killed = false;
+            let colour = attributes.pixel::<F, _>(centre, covered.position, depth, |pixel| {
+                killed = F::TESTS_ALPHA && !kernel.keeps(pixel);
+                (!killed && nearer != 0).then(|| kernel.shade(pixel))
+            });
+            if exact {
+                if F::TESTS_ALPHA {
+                    tile.work.texels += kernel.texels_tested();
+                }
+                if killed {
+                    tile.work.alpha_killed += u64::from(covered.mask.count_ones());
+                }
+                if colour.is_some() {
+                    tile.work.texels += kernel.texels_shaded();
+                }
+            }
+            let Some(colour) = colour else {
+                return;
+            };
+            tile.work.visible += u64::from(nearer.count_ones());
+            for sample in 0..SAMPLES {
+                if nearer >> sample & 1 == 1 {
+                    let there = &mut tile.colour[covered.index * SAMPLES + sample];
+                    *there = over(colour, *there);
+                }
+            }
+        });
+    }
+}
+
+/// `source · alpha + destination · (1 − alpha)`; alpha itself is `alpha + destination · (1 − alpha)`.
+#[inline]
+fn over(source: Vec4, destination: Vec4) -> Vec4 {
+    let factor = Vec4::new(source.w, source.w, source.w, 1.0);
+    source * factor + destination * (1.0 - source.w)
+}

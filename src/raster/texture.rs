@@ -1,0 +1,351 @@
+//! Textures: the bytes of a mip chain, and reading them.
+//!
+//! Texture coordinates run from (0, 0), the top-left corner of the first texel, to (1, 1), the
+//! bottom-right corner of the last; texel `i` of `n` has its centre at `(i + 0.5) / n`.
+
+use super::colour;
+use crate::math::{Vec2, Vec4};
+
+/// What lies outside of the unit square of texture coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    Repeat,
+    /// The nearest texel of the rim.
+    Clamp,
+}
+
+/// An image and its smaller versions.
+///
+/// Bytes R, G, B, A a texel, rows from the top: colour in sRGB, alpha straight and linear. Level
+/// `k` has `max(1, side >> k)` texels a side. The bytes are the truth: every read decodes them.
+#[derive(Clone)]
+pub struct MipMap {
+    width: u32,
+    height: u32,
+    levels: Vec<Vec<u8>>,
+    decoding: &'static [f32; 256],
+}
+
+impl MipMap {
+    /// The largest width or height.
+    pub const MAX_SIDE: u32 = 16384;
+
+    /// A texture from the bytes of its levels, the largest first.
+    ///
+    /// Returns `None` when a side is 0 or above [`MipMap::MAX_SIDE`], when there is no level or one
+    /// after 1 × 1, or when a level's bytes are not four a texel.
+    #[must_use]
+    pub fn new(width: u32, height: u32, levels: Vec<Vec<u8>>) -> Option<Self> {
+        let sides = 1..=Self::MAX_SIDE;
+        let most = Self::full_chain(width, height) as usize;
+        let fits = sides.contains(&width)
+            && sides.contains(&height)
+            && (1..=most).contains(&levels.len())
+            && levels.iter().zip(0..).all(|(bytes, level)| {
+                let (width, height) = size_of_level(width, height, level);
+                bytes.len() == 4 * width as usize * height as usize
+            });
+        fits.then(|| Self {
+            width,
+            height,
+            levels,
+            decoding: colour::decoding(),
+        })
+    }
+
+    /// How many levels lead down to 1 × 1.
+    #[must_use]
+    pub fn full_chain(width: u32, height: u32) -> u32 {
+        32 - width.max(height).leading_zeros()
+    }
+
+    /// How many levels there are, at least 1.
+    #[must_use]
+    pub fn level_count(&self) -> u32 {
+        crate::math::index_u32(self.levels.len())
+    }
+
+    /// Width and height of a level in texels; the last level's for levels after it.
+    #[must_use]
+    pub fn level_size(&self, level: u32) -> (u32, u32) {
+        size_of_level(self.width, self.height, self.nearest_level(level))
+    }
+
+    /// The bytes of a level; the last level's for levels after it.
+    #[must_use]
+    pub fn level_bytes(&self, level: u32) -> &[u8] {
+        &self.levels[self.nearest_level(level) as usize]
+    }
+
+    /// Replaces bytes of a level from byte `offset` on, and says whether they fit; where they do
+    /// not, or there is no such level, nothing changes.
+    #[must_use]
+    pub fn write_level(&mut self, level: u32, offset: usize, bytes: &[u8]) -> bool {
+        let range = offset..offset.saturating_add(bytes.len());
+        let place = self
+            .levels
+            .get_mut(level as usize)
+            .and_then(|level| level.get_mut(range));
+        match place {
+            Some(place) => {
+                place.copy_from_slice(bytes);
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// One texel, in linear light with straight alpha; beyond the rim the nearest texel.
+    #[must_use]
+    pub fn texel(&self, level: u32, x: u32, y: u32) -> Vec4 {
+        let (width, height) = self.level_size(level);
+        let at = 4 * (y.min(height - 1) as usize * width as usize + x.min(width - 1) as usize);
+        let colour = self.raw(self.level_bytes(level), at);
+        Vec4::new(colour.x, colour.y, colour.z, colour.w / 255.0)
+    }
+
+    /// The texels around a point, blended bilinearly in linear light: four texels read.
+    ///
+    /// First along x, then along y, each as `a + (b − a) · t`. Coordinates that are no numbers or
+    /// beyond ±2³¹ texels give some texel.
+    #[must_use]
+    pub fn sample(&self, uv: Vec2, level: u32, wrap: Wrap) -> Vec4 {
+        let square = self.square(uv, level, wrap);
+        let bytes = self.level_bytes(level);
+        let [a, b, c, d] = square.at.map(|at| self.raw(bytes, at));
+        let above = a + (b - a) * square.right;
+        let below = c + (d - c) * square.right;
+        let colour = above + (below - above) * square.down;
+        Vec4::new(colour.x, colour.y, colour.z, colour.w / 255.0)
+    }
+
+    /// The alpha of [`sample`](Self::sample), to the same bits.
+    #[must_use]
+    #[inline]
+    pub fn alpha(&self, uv: Vec2, level: u32, wrap: Wrap) -> f32 {
+        let square = self.square(uv, level, wrap);
+        let bytes = self.level_bytes(level);
+        let [a, b, c, d] = square.at.map(|at| f32::from(bytes[at + 3]));
+        let above = a + (b - a) * square.right;
+        let below = c + (d - c) * square.right;
+        (above + (below - above) * square.down) / 255.0
+    }
+
+    /// The level whose texels are nearest to a pixel in size, from how texture coordinates change
+    /// to the next pixel on the right and below.
+    ///
+    /// With `ρ` the longer of the two changes in texels, this is `log₂ ρ` rounded to the nearest,
+    /// read off the exponent of `ρ²`: `⌊(⌊log₂ ρ²⌋ + 1) / 2⌋`.
+    #[must_use]
+    #[inline]
+    pub fn level_for(&self, derivative_x: Vec2, derivative_y: Vec2) -> u32 {
+        let length_squared = |change: Vec2| {
+            let (x, y) = (change.x * self.width as f32, change.y * self.height as f32);
+            x * x + y * y
+        };
+        let (across, down) = (length_squared(derivative_x), length_squared(derivative_y));
+        let longest = if across > down { across } else { down };
+        // Below 2 texels squared the exponent is less than 1, and the first level is the nearest.
+        let exponent = (longest.to_bits() >> 23).saturating_sub(127);
+        self.nearest_level(exponent.div_ceil(2))
+    }
+
+    fn nearest_level(&self, level: u32) -> u32 {
+        level.min(self.level_count() - 1)
+    }
+
+    /// Linear colour, and alpha from 0 to 255.
+    #[inline]
+    fn raw(&self, bytes: &[u8], at: usize) -> Vec4 {
+        let texel = &bytes[at..at + 4];
+        Vec4::new(
+            self.decoding[usize::from(texel[0])],
+            self.decoding[usize::from(texel[1])],
+            self.decoding[usize::from(texel[2])],
+            f32::from(texel[3]),
+        )
+    }
+
+    #[inline]
+    fn square(&self, uv: Vec2, level: u32, wrap: Wrap) -> Square {
+        let (width, height) = self.level_size(level);
+        let (left, right, across) = neighbours(uv.x, width, wrap);
+        let (above, below, down) = neighbours(uv.y, height, wrap);
+        let at = |x: u32, y: u32| 4 * (y as usize * width as usize + x as usize);
+        Square {
+            at: [
+                at(left, above),
+                at(right, above),
+                at(left, below),
+                at(right, below),
+            ],
+            right: across,
+            down,
+        }
+    }
+}
+
+impl std::fmt::Debug for MipMap {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (width, height, levels) = (self.width, self.height, self.levels.len());
+        write!(out, "MipMap({width} × {height}, {levels} levels)")
+    }
+}
+
+/// Four texels and where between them a point lies.
+struct Square {
+    /// Byte offsets: top-left, top-right, bottom-left, bottom-right.
+    at: [usize; 4],
+    right: f32,
+    down: f32,
+}
+
+/// The two texels around a coordinate, and how far it is from the first to the second.
+#[inline]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounds down, saturating where coordinates are absurd"
+)]
+fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
+    let position = coordinate * size as f32 - 0.5;
+    let cut = position as i32;
+    let floor = cut.saturating_sub(i32::from(position < cut as f32));
+    let rest = position - floor as f32;
+    // No number and infinity end up at the first texel of the two.
+    let rest = if rest > 0.0 && rest <= 1.0 { rest } else { 0.0 };
+    let (first, second) = (floor, floor.saturating_add(1));
+    (
+        wrapped(first, size, wrap),
+        wrapped(second, size, wrap),
+        rest,
+    )
+}
+
+#[inline]
+#[expect(
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "sizes are at most 2^14, results lie in 0..size"
+)]
+fn wrapped(texel: i32, size: u32, wrap: Wrap) -> u32 {
+    let size = size as i32;
+    let inside = if (0..size).contains(&texel) {
+        texel
+    } else {
+        match wrap {
+            Wrap::Repeat => texel.rem_euclid(size),
+            Wrap::Clamp => texel.clamp(0, size - 1),
+        }
+    };
+    inside as u32
+}
+
+fn size_of_level(width: u32, height: u32, level: u32) -> (u32, u32) {
+    let side = |side: u32| side.checked_shr(level).unwrap_or(0).max(1);
+    (side(width), side(height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 4 × 2 texels with alpha 0, 10, 20 … 70, and two smaller levels.
+    fn image() -> MipMap {
+        let bytes = |count: u8| (0..count).flat_map(|i| [i, 2 * i, 255, 10 * i]).collect();
+        MipMap::new(4, 2, vec![bytes(8), bytes(2), bytes(1)]).expect("sizes fit")
+    }
+
+    #[test]
+    fn wrong_sizes_are_refused() {
+        assert!(MipMap::new(4, 2, vec![]).is_none());
+        assert!(MipMap::new(0, 2, vec![vec![]]).is_none());
+        assert!(MipMap::new(4, 2, vec![vec![0; 31]]).is_none());
+        assert!(MipMap::new(4, 2, vec![vec![0; 32], vec![0; 16]]).is_none());
+        assert!(MipMap::new(1, 1, vec![vec![0; 4], vec![0; 4]]).is_none());
+        assert_eq!(MipMap::full_chain(4, 2), 3);
+        assert_eq!(MipMap::full_chain(1, 1), 1);
+        assert_eq!(MipMap::full_chain(5, 3), 3);
+    }
+
+    #[test]
+    fn centres_of_texels_give_the_texels() {
+        let image = image();
+        for y in 0..2 {
+            for x in 0..4 {
+                let uv = Vec2::new((x as f32 + 0.5) / 4.0, (y as f32 + 0.5) / 2.0);
+                for wrap in [Wrap::Repeat, Wrap::Clamp] {
+                    assert_eq!(image.sample(uv, 0, wrap), image.texel(0, x, y));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn between_texels_alpha_is_bilinear_and_wraps() {
+        let image = image();
+        let alpha = |u: f32, v: f32, wrap| image.alpha(Vec2::new(u, v), 0, wrap) * 255.0;
+        assert_eq!(alpha(0.25, 0.25, Wrap::Clamp), 5.0);
+        assert_eq!(alpha(0.25, 0.5, Wrap::Clamp), 25.0);
+        assert_eq!(alpha(0.0, 0.25, Wrap::Clamp), 0.0);
+        assert_eq!(alpha(0.0, 0.25, Wrap::Repeat), 15.0, "between 30 and 0");
+        assert_eq!(alpha(-0.75, 0.25, Wrap::Repeat), 5.0);
+        assert_eq!(alpha(7.0, 0.25, Wrap::Clamp), 30.0);
+    }
+
+    #[test]
+    fn alpha_alone_has_the_bits_of_the_sample() {
+        let image = image();
+        for step in -40_i16..40 {
+            let uv = Vec2::new(f32::from(step) * 0.093, f32::from(step) * 0.171);
+            for level in 0..4 {
+                let whole = image.sample(uv, level, Wrap::Repeat).w;
+                let alone = image.alpha(uv, level, Wrap::Repeat);
+                assert_eq!(whole.to_bits(), alone.to_bits());
+            }
+        }
+    }
+
+    #[test]
+    fn absurd_coordinates_give_some_texel() {
+        let image = image();
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30] {
+            for wrap in [Wrap::Repeat, Wrap::Clamp] {
+                let colour = image.sample(Vec2::splat(value), 0, wrap);
+                assert!(colour.is_finite(), "{value}: {colour}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_switch_at_the_geometric_mean_of_their_sizes() {
+        let image = MipMap::new(
+            8,
+            8,
+            (0..4).map(|k| vec![0; 4 * (8 >> k) * (8 >> k)]).collect(),
+        )
+        .expect("sizes fit");
+        let level = |texels: f32| image.level_for(Vec2::new(texels / 8.0, 0.0), Vec2::ZERO);
+        assert_eq!(level(0.0), 0);
+        assert_eq!(level(1.0), 0);
+        assert_eq!(level(1.41), 0);
+        assert_eq!(level(1.42), 1);
+        assert_eq!(level(2.82), 1);
+        assert_eq!(level(2.83), 2);
+        assert_eq!(level(4.0), 2);
+        assert_eq!(level(1e30), 3);
+        assert_eq!(image.level_for(Vec2::ZERO, Vec2::new(0.0, 0.25)), 1);
+    }
+
+    #[test]
+    fn bytes_are_replaced_where_they_fit() {
+        let mut image = image();
+        assert!(image.write_level(1, 4, &[9, 9, 9, 9]));
+        assert_eq!(image.level_bytes(1), [0, 0, 255, 0, 9, 9, 9, 9]);
+        assert!(!image.write_level(1, 5, &[1, 1, 1, 1]));
+        assert!(!image.write_level(3, 0, &[1]));
+        assert_eq!(image.level_bytes(1), [0, 0, 255, 0, 9, 9, 9, 9]);
+        assert_eq!(image.level_size(0), (4, 2));
+        assert_eq!(image.level_size(1), (2, 1));
+    }
+}

@@ -1,0 +1,315 @@
+//! One tile: its triangles in the order of submission, opaque runs decided and then shaded, blended
+//! runs in between.
+
+use std::ops::Range;
+
+use super::bin::TriangleId;
+use super::frame::BLOCK_SIDE;
+use super::setup::{Chunk, PixelBox, Triangle, View};
+use super::{Batch, Blend, Counters, Key, Samples, Work};
+use crate::math::{Vec4, index_u32};
+
+/// What all tiles of a call share.
+#[derive(Debug)]
+pub(super) struct Scene<'a> {
+    pub(super) batches: &'a [Batch<'a>],
+    /// The number of the run that each batch belongs to.
+    pub(super) runs: Vec<u32>,
+    pub(super) chunks: Vec<Chunk>,
+    pub(super) view: View,
+    pub(super) samples: Samples,
+    pub(super) counters: Counters,
+}
+
+/// The owner of a sample that no triangle of the run has won.
+pub(super) const NOBODY: u32 = 0;
+
+/// Memory that a thread uses again for each block.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    /// A sample of the block: one more than the entry that owns it, or [`NOBODY`].
+    pub(super) owner: Vec<u32>,
+    /// Whether this call has drawn the sample in a run before.
+    pub(super) drawn: Vec<bool>,
+    pub(super) items: Items,
+    /// Batches of the opaque run with their entries.
+    groups: Vec<(u32, Range<usize>)>,
+}
+
+impl Scratch {
+    pub(super) fn new(samples: Samples) -> Self {
+        let count = (BLOCK_SIDE * BLOCK_SIDE) as usize * samples.count();
+        Self {
+            owner: vec![NOBODY; count],
+            drawn: vec![false; count],
+            items: Items::default(),
+            groups: Vec::new(),
+        }
+    }
+
+    /// Forgets the block before.
+    pub(super) fn reset(&mut self) {
+        // Owners are nobody again: shading each run has seen to that.
+        self.drawn.fill(false);
+    }
+}
+
+/// A tile in work.
+#[expect(unnameable_types, reason = "seals `Kernel`: nobody else can make one")]
+#[derive(Debug)]
+pub struct Tile<'a> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) ids: &'a [TriangleId],
+    pub(super) pixels: PixelBox,
+    /// Column and row of the block's first pixel.
+    pub(super) origin: [i32; 2],
+    pub(super) depth: &'a mut [u32],
+    pub(super) colour: &'a mut [Vec4],
+    pub(super) shown: &'a mut [Key],
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) work: Work,
+}
+
+impl<'a> Tile<'a> {
+    /// Draws all triangles of the tile.
+    pub(super) fn draw(&mut self) {
+        let mut entry = 0;
+        let mut run = None;
+        while entry < self.ids.len() {
+            let number = self.triangle(entry).0.batch;
+            let same = self.ids[entry..]
+                .iter()
+                .take_while(|id| id.of(&self.scene.chunks).batch == number)
+                .count();
+            let entries = entry..entry + same;
+            entry = entries.end;
+            let batch = &self.scene.batches[number as usize];
+            let its_run = self.scene.runs[number as usize];
+            if run != Some(its_run) {
+                self.shade_run();
+                run = Some(its_run);
+            }
+            match batch.blend {
+                Blend::Opaque => {
+                    batch.kernel.cover(self, entries.clone());
+                    self.scratch.groups.push((number, entries));
+                }
+                Blend::Alpha => batch.kernel.blend(self, entries),
+            }
+        }
+        self.shade_run();
+    }
+
+    /// Shades what the triangles of the opaque run have won.
+    fn shade_run(&mut self) {
+        let groups = std::mem::take(&mut self.scratch.groups);
+        if let (Some((_, first)), Some((_, last))) = (groups.first(), groups.last()) {
+            self.list_items(first.start..last.end);
+            for (batch, entries) in &groups {
+                let kernel = self.scene.batches[*batch as usize].kernel;
+                kernel.shade(self, entries.clone());
+            }
+        }
+        self.scratch.groups = groups;
+        self.scratch.groups.clear();
+    }
+
+    fn list_items(&mut self, entries: Range<usize>) {
+        match self.scene.samples {
+            Samples::One => self.sort_items::<1>(entries),
+            Samples::Four => self.sort_items::<4>(entries),
+        }
+    }
+
+    /// Sorts pixels by the triangles that own their samples, by counting.
+    fn sort_items<const SAMPLES: usize>(&mut self, entries: Range<usize>) {
+        let pixels = self.pixels;
+        let mut items = std::mem::take(&mut self.scratch.items);
+        items.begin(entries);
+        for y in pixels.first[1]..=pixels.last[1] {
+            let row = self.index(pixels.first[0], y)..self.index(pixels.last[0], y) + 1;
+            for owners in self.owners::<SAMPLES>(row) {
+                each_owner(owners, |owner, _| items.count(owner));
+            }
+        }
+        items.lay_out();
+        for y in pixels.first[1]..=pixels.last[1] {
+            let row = self.index(pixels.first[0], y)..self.index(pixels.last[0], y) + 1;
+            for (owners, index) in self.owners::<SAMPLES>(row.clone()).zip(row) {
+                each_owner(owners, |owner, mask| {
+                    items.put(owner, Item::new(index, mask));
+                });
+            }
+        }
+        self.scratch.items = items;
+    }
+
+    fn owners<const SAMPLES: usize>(
+        &self,
+        pixels: Range<usize>,
+    ) -> impl Iterator<Item = &[u32; SAMPLES]> {
+        let range = pixels.start * SAMPLES..pixels.end * SAMPLES;
+        self.scratch.owner[range].as_chunks::<SAMPLES>().0.iter()
+    }
+
+    /// The triangle of an entry with its chunk and batch.
+    #[inline]
+    pub(super) fn triangle(&self, entry: usize) -> (&'a Triangle, &'a Chunk, &'a Batch<'a>) {
+        let scene = self.scene;
+        let id = self.ids[entry];
+        let triangle = id.of(&scene.chunks);
+        let batch = &scene.batches[triangle.batch as usize];
+        (triangle, &scene.chunks[id.chunk()], batch)
+    }
+
+    /// The pixels of the tile that a triangle may cover.
+    #[inline]
+    pub(super) fn pixels_of(&self, entry: usize) -> Option<PixelBox> {
+        let pixels = self.scene.view.pixels_of(self.triangle(entry).0)?;
+        let both = PixelBox {
+            first: [0, 1].map(|axis| pixels.first[axis].max(self.pixels.first[axis])),
+            last: [0, 1].map(|axis| pixels.last[axis].min(self.pixels.last[axis])),
+        };
+        let some = both.first[0] <= both.last[0] && both.first[1] <= both.last[1];
+        some.then_some(both)
+    }
+
+    /// A pixel's place in its block.
+    #[inline]
+    pub(super) fn index(&self, x: i32, y: i32) -> usize {
+        let [column, row] = [x - self.origin[0], y - self.origin[1]].map(i32::unsigned_abs);
+        (row * BLOCK_SIDE + column) as usize
+    }
+
+    /// The column and row of a pixel at a place in the block.
+    #[inline]
+    pub(super) fn pixel_at(&self, index: usize) -> [i32; 2] {
+        let side = BLOCK_SIDE as usize;
+        let within = [index % side, index / side];
+        [0, 1].map(|axis| self.origin[axis] + i32::try_from(within[axis]).unwrap_or(0))
+    }
+
+    /// The key of what shows at a sample so far: needed only where depths are equal.
+    #[cold]
+    pub(super) fn key_at(&self, index: usize) -> Key {
+        match self.scratch.owner[index] {
+            NOBODY => self.shown[index],
+            owner => {
+                let (triangle, _, batch) = self.triangle(owner as usize - 1);
+                super::setup::key(batch, triangle)
+            }
+        }
+    }
+}
+
+/// A pixel and those of its samples that one triangle owns.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Item(u32);
+
+impl Item {
+    fn new(index: usize, mask: u32) -> Self {
+        Self(index_u32(index) << 4 | mask)
+    }
+
+    #[inline]
+    pub(super) fn index(self) -> usize {
+        (self.0 >> 4) as usize
+    }
+
+    #[inline]
+    pub(super) fn mask(self) -> u32 {
+        self.0 & 15
+    }
+}
+
+/// The pixels that each triangle of a run must be shaded at.
+#[derive(Debug, Default)]
+pub(super) struct Items {
+    first_entry: usize,
+    starts: Vec<u32>,
+    pub(super) list: Vec<Item>,
+}
+
+impl Items {
+    /// The places in the list of an entry's pixels.
+    #[inline]
+    pub(super) fn of(&self, entry: usize) -> Range<usize> {
+        let at = entry - self.first_entry;
+        self.starts[at] as usize..self.starts[at + 1] as usize
+    }
+
+    fn begin(&mut self, entries: Range<usize>) {
+        self.first_entry = entries.start;
+        self.starts.clear();
+        self.starts.resize(entries.len() + 2, 0);
+    }
+
+    /// Counts are kept two places on, so that filling leaves the starts in place.
+    fn count(&mut self, owner: u32) {
+        self.starts[owner as usize - 1 - self.first_entry + 2] += 1;
+    }
+
+    fn lay_out(&mut self) {
+        for at in 1..self.starts.len() {
+            self.starts[at] += self.starts[at - 1];
+        }
+        let total = self.starts[self.starts.len() - 1] as usize;
+        self.list.clear();
+        self.list.resize(total, Item::default());
+    }
+
+    fn put(&mut self, owner: u32, item: Item) {
+        let next = &mut self.starts[owner as usize - 1 - self.first_entry + 1];
+        self.list[*next as usize] = item;
+        *next += 1;
+    }
+}
+
+/// Hands over each distinct owner of a pixel's samples with the bits of its samples.
+#[inline]
+fn each_owner<const SAMPLES: usize>(owners: &[u32; SAMPLES], mut each: impl FnMut(u32, u32)) {
+    for (sample, &owner) in owners.iter().enumerate() {
+        if owner == NOBODY || owners[..sample].contains(&owner) {
+            continue;
+        }
+        let mut mask = 0;
+        for (other, &theirs) in owners.iter().enumerate() {
+            mask |= u32::from(theirs == owner) << other;
+        }
+        each(owner, mask);
+    }
+}
+
+/// The three loops over a tile, compiled once a fragment stage.
+#[expect(unnameable_types, reason = "seals `Kernel`: nobody else can call it")]
+pub trait Passes {
+    /// Opaque triangles against depth and key.
+    fn cover(&self, tile: &mut Tile<'_>, entries: Range<usize>);
+    /// Colour of what won.
+    fn shade(&self, tile: &mut Tile<'_>, entries: Range<usize>);
+    /// Blended triangles in order.
+    fn blend(&self, tile: &mut Tile<'_>, entries: Range<usize>);
+}
+
+impl<F: super::Fragment> Passes for F {
+    fn cover(&self, tile: &mut Tile<'_>, entries: Range<usize>) {
+        match tile.scene.samples {
+            Samples::One => super::cover::cover::<F, 1>(self, tile, entries),
+            Samples::Four => super::cover::cover::<F, 4>(self, tile, entries),
+        }
+    }
+
+    fn shade(&self, tile: &mut Tile<'_>, entries: Range<usize>) {
+        match tile.scene.samples {
+            Samples::One => super::shade::shade::<F, 1>(self, tile, entries),
+            Samples::Four => super::shade::shade::<F, 4>(self, tile, entries),
+        }
+    }
+
+    fn blend(&self, tile: &mut Tile<'_>, entries: Range<usize>) {
+        match tile.scene.samples {
+            Samples::One => super::shade::blend::<F, 1>(self, tile, entries),
+            Samples::Four => super::shade::blend::<F, 4>(self, tile, entries),
+        }
+    }
+}
