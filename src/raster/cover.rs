@@ -39,8 +39,11 @@ fn cover_triangle<F: Fragment, const SAMPLES: usize>(
             *slot = depth;
             let index = covered.index * SAMPLES + sample;
             let there = tile.depth[index];
-            let wins =
-                depth < there || (depth == there && key(batch, triangle) < tile.key_at(index));
+            let wins = depth < there
+                || (depth == there
+                    && tile
+                        .key_at(index)
+                        .is_some_and(|shown| key(batch, triangle) < shown));
             winning |= u32::from(wins) << sample;
         }
         if exact {

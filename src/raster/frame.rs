@@ -35,8 +35,8 @@ pub(super) struct Block {
     pub(super) shown: Vec<Key>,
 }
 
-/// What shows where nothing was drawn. Greater than all keys, and never drawn itself.
-const NOTHING: Key = Key {
+/// What shows where nothing was drawn; no triangle has this number within its primitive.
+pub(super) const NOTHING: Key = Key {
     group: u32::MAX,
     instance: u32::MAX,
     vertex: u32::MAX,

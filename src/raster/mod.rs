@@ -1,12 +1,65 @@
 //! Triangles to tiles to pixels, with the same bits on any machine and any number of threads.
 //!
 //! ```text
-//! Batch (clip-space vertices, corners, kernel) ─setup─▶ triangles ─bin─▶ tiles
+//! Batch (clip-space vertices, corners, kernel) ─set up─▶ triangles ─bin─▶ tiles
 //!   ─cover─▶ visibility (depth, primitive) ─shade─▶ colour ─resolve─▶ Image
 //! ```
 //!
 //! This stage knows neither buffers nor buses nor trees: it is handed vertices after the vertex
 //! stage, and a [`Kernel`] that tests alpha and computes colour.
+//!
+//! **Invariant.** What a sample ends up with is a function of the triangles over it, their keys and,
+//! for blended ones, their order: never of tiles, threads, or how draws are cut into batches.
+//!
+//! # The rule book
+//!
+//! The rules are those of Direct3D 11 and Vulkan ([D3D11](crate::references),
+//! [VK](crate::references)); where these leave room, the text below fills it. A change of any rule
+//! changes pictures.
+//!
+//! *Corners.* A triangle is first turned, its winding kept, so that its lowest vertex id comes
+//! first. So lists, strips and quads of the same triangles give the same bits.
+//!
+//! *Clipping.* A primitive with a coordinate that is infinite or no number is dropped. Others are cut,
+//! in `f64`, at `w ≥ 2⁻⁴⁰`, `z ≥ 0`, `z ≤ w` and a guard band of 2¹⁴ pixels around the middle of the
+//! target, in this order; what is left of a triangle is a fan around its first corner. Nothing is
+//! culled: triangles have two sides, and the *front* is the one seen counter-clockwise with y
+//! upwards.
+//!
+//! *Snapping.* With `h` half the target in sub-pixels, of which 256 make a pixel, x becomes
+//! `h + (x · (1 / w)) · h` and y `h − (y · (1 / w)) · h`, computed in `f64` and rounded to the nearest
+//! sub-pixel, halves to the even one. All that follows knows only snapped corners.
+//!
+//! *Coverage.* A sample is covered when all three edge functions, exact integers, are positive there,
+//! or 0 on a top or a left edge. So every sample within a mesh is covered once. One sample lies in
+//! the middle of its pixel; four lie on the rotated grid of [`Samples::offsets`].
+//!
+//! *Lines* are the rectangles of width 1 around them, ends cut square, snapped and covered like two
+//! triangles; attributes are those of the nearest point along the line.
+//!
+//! *Depth* is `z · (1 / w)` at a corner, rounded to `f32`, kept within [0, 1]. At a sample it is
+//! `d₀ + (e₁ s₁ + e₂ s₂)` in `f32`, kept within [0, 1], with the edge functions that face the second
+//! and third corner, each rounded once, and `sᵢ = (dᵢ − d₀) · (1 / (2 area))`. Depths compare as
+//! their bits.
+//!
+//! *Attributes* `a` are interpolated as `a · (1 / w)` by a plane of the same form, at the pixel's
+//! centre, never step by step, and multiplied by one over the plane of `1 / w`. The first two have
+//! derivatives by the quotient rule. With four samples the centre may lie outside of the triangle:
+//! then attributes are extrapolated.
+//!
+//! *Alpha* is tested once a pixel and triangle, at the centre, for all of the pixel's samples.
+//!
+//! *Opaque* fragments win where they are nearer; where depths are equal, the least [`Key`] wins, also
+//! against what earlier calls left. A cleared sample has no key, and is not beaten by its own depth.
+//! Equal depth and equal key, which only primitives that begin with the same vertex have: the one
+//! that was submitted first. So batches commute. Consecutive opaque batches are a run: it is decided
+//! as a whole, then each pixel is shaded once for each triangle that shows in it.
+//!
+//! *Blended* fragments keep their order, are tested against the depth that opaque batches before them
+//! left, and must be nearer; they write neither depth nor key.
+//!
+//! *Colour* is linear `f32` at every sample. Four samples resolve to `((a + b) + (c + d)) / 4`; a byte
+//! is the one whose linear value is nearest as seen in sRGB.
 
 mod bin;
 mod clip;

@@ -209,15 +209,18 @@ struct Projected {
     depth: f32,
 }
 
-/// The nearest sub-pixel, halves to the even one.
+/// The nearest sub-pixel, halves to the even one, at most 2²³ from the first.
 #[inline]
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "the guard band keeps sub-pixels within 2^23, and the sum has rounded already"
+    reason = "sub-pixels are kept within 2^23, and the sum has rounded already"
 )]
 fn snap(subpixels: f64) -> i32 {
     // Adding 1.5 · 2⁵² leaves no bits for a fraction; the addition rounds to nearest even.
+    const FURTHEST: f64 = 8_388_608.0;
     const ROUND: f64 = 6_755_399_441_055_744.0;
+    // Within the guard band already, but for vertices that cutting absurd coordinates made.
+    let subpixels = subpixels.clamp(-FURTHEST, FURTHEST);
     ((subpixels + ROUND) - ROUND) as i32
 }
 

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::bin::TriangleId;
-use super::frame::BLOCK_SIDE;
+use super::frame::{BLOCK_SIDE, NOTHING};
 use super::setup::{Chunk, PixelBox, Triangle, View};
 use super::{Batch, Blend, Counters, Key, Samples, Work};
 use crate::math::{Vec4, index_u32};
@@ -189,14 +189,14 @@ impl<'a> Tile<'a> {
         [0, 1].map(|axis| self.origin[axis] + i32::try_from(within[axis]).unwrap_or(0))
     }
 
-    /// The key of what shows at a sample so far: needed only where depths are equal.
+    /// The key of what shows at a sample so far, if anything does: needed where depths are equal.
     #[cold]
-    pub(super) fn key_at(&self, index: usize) -> Key {
+    pub(super) fn key_at(&self, index: usize) -> Option<Key> {
         match self.scratch.owner[index] {
-            NOBODY => self.shown[index],
+            NOBODY => Some(self.shown[index]).filter(|&key| key != NOTHING),
             owner => {
                 let (triangle, _, batch) = self.triangle(owner as usize - 1);
-                super::setup::key(batch, triangle)
+                Some(super::setup::key(batch, triangle))
             }
         }
     }

@@ -38,13 +38,18 @@ fn any_vertex() -> impl Strategy<Value = (Vec4, [f32; 2])> {
         .prop_map(|(clip, uv)| (Vec4::from_array(clip), uv))
 }
 
-/// A pixel position in steps of a sub-pixel, sometimes on a centre.
-fn any_place() -> impl Strategy<Value = [f32; 2]> {
+/// A place in sub-pixels, sometimes the centre of a pixel.
+fn any_place() -> impl Strategy<Value = [i16; 2]> {
     let step = prop_oneof![
-        (-512_i16..4608).prop_map(|step| f32::from(step) / 256.0),
-        (-2_i16..18).prop_map(|step| f32::from(step) + 0.5),
+        -512_i16..4608,
+        (-2_i16..18).prop_map(|pixel| 256 * pixel + 128)
     ];
     [step.clone(), step]
+}
+
+/// A place in pixels.
+fn pixels(place: [i16; 2]) -> [f32; 2] {
+    place.map(|subpixels| f32::from(subpixels) / 256.0)
 }
 
 proptest! {
@@ -88,7 +93,7 @@ proptest! {
         samples in prop::sample::select(vec![Samples::One, Samples::Four]),
     ) {
         let mut drawing = Drawing::new(16, 16);
-        drawing.shape(&corners, 0.5, [1.0; 4]);
+        drawing.shape(&corners.map(pixels), 0.5, [1.0; 4]);
         let (_, work) = drawing.render_with(Topology::TriangleList, &Plain, samples, EXACT);
         let mut expected = 0;
         for y in 0..16_i32 {
@@ -106,10 +111,10 @@ proptest! {
         a in any_place(), b in any_place(), c in any_place(), d in any_place(),
     ) {
         prop_assume!(is_convex([a, b, c, d]));
-        let covered = |triangles: [[[f32; 2]; 3]; 2]| {
+        let covered = |triangles: [[[i16; 2]; 3]; 2]| {
             let mut drawing = Drawing::new(16, 16);
             for triangle in &triangles {
-                drawing.shape(triangle, 0.5, [1.0; 4]);
+                drawing.shape(&triangle.map(pixels), 0.5, [1.0; 4]);
             }
             let (_, work) = drawing.render(Topology::TriangleList, &Plain);
             (work.covered, work.visible)
@@ -122,8 +127,8 @@ proptest! {
 
 /// The reference: crossing numbers of a ray to the right of a point, moved up and left by less than
 /// anything, which is what the top-left rule amounts to.
-fn covers(corners: &[[f32; 2]; 3], point: [i32; 2]) -> bool {
-    let corner = corners.map(|place| place.map(|p| (p * 256.0) as i64));
+fn covers(corners: &[[i16; 2]; 3], point: [i32; 2]) -> bool {
+    let corner = corners.map(|place| place.map(i64::from));
     let [px, py] = point.map(i64::from);
     let mut inside = false;
     for k in 0..3 {
@@ -142,10 +147,11 @@ fn covers(corners: &[[f32; 2]; 3], point: [i32; 2]) -> bool {
     inside
 }
 
-fn is_convex(corners: [[f32; 2]; 4]) -> bool {
+fn is_convex(corners: [[i16; 2]; 4]) -> bool {
+    let corners = corners.map(|place| place.map(i64::from));
     let turns = [0, 1, 2, 3].map(|k| {
         let [a, b, c] = [corners[k], corners[(k + 1) % 4], corners[(k + 2) % 4]];
         (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
     });
-    turns.iter().all(|&turn| turn > 0.0) || turns.iter().all(|&turn| turn < 0.0)
+    turns.iter().all(|&turn| turn > 0) || turns.iter().all(|&turn| turn < 0)
 }
