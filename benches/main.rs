@@ -1,1 +1,3 @@
+//! Wall clock by stage.
+
 fn main() {}

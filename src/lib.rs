@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 pub mod document;
+pub mod gpu;
 pub mod math;
 pub mod plant;
 pub mod raster;

@@ -107,3 +107,13 @@ impl Digester {
 pub fn index_u32(value: usize) -> u32 {
     u32::try_from(value).expect("sizes are limited at the border to far below 2^32")
 }
+
+/// A size in bytes as an index into memory.
+///
+/// # Panics
+///
+/// When `value` does not fit; what is asked about lies in memory already, so it does.
+#[must_use]
+pub fn index_usize(value: u64) -> usize {
+    usize::try_from(value).expect("what lies in memory has an index")
+}

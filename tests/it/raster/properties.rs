@@ -99,7 +99,7 @@ proptest! {
         for y in 0..16_i32 {
             for x in 0..16_i32 {
                 for &[dx, dy] in samples.offsets() {
-                    expected += u64::from(covers(&corners, [x * 256 + dx, y * 256 + dy]));
+                    expected += u64::from(covers(corners, [x * 256 + dx, y * 256 + dy]));
                 }
             }
         }
@@ -127,7 +127,7 @@ proptest! {
 
 /// The reference: crossing numbers of a ray to the right of a point, moved up and left by less than
 /// anything, which is what the top-left rule amounts to.
-fn covers(corners: &[[i16; 2]; 3], point: [i32; 2]) -> bool {
+fn covers(corners: [[i16; 2]; 3], point: [i32; 2]) -> bool {
     let corner = corners.map(|place| place.map(i64::from));
     let [px, py] = point.map(i64::from);
     let mut inside = false;

@@ -1,0 +1,137 @@
+//! The input assembler: which vertices a draw names, and what they cost when they lie on the host.
+
+use std::collections::VecDeque;
+
+use super::pass::Corners;
+use super::reads::Fetched;
+use super::resource::Buffer;
+use super::{GpuError, Residency};
+
+/// How many transformed vertices the post-transform cache holds, first in, first out; a vertex
+/// found there is not fetched again.
+pub(super) const VERTEX_CACHE: usize = 16;
+
+/// A draw with all its arguments.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arguments {
+    pub(super) source: Corners,
+    pub(super) first_corner: u32,
+    pub(super) corner_count: u32,
+    pub(super) instance: u32,
+    pub(super) group: u32,
+}
+
+/// The vertex index of every corner of a draw.
+///
+/// # Errors
+///
+/// [`GpuError::Bounds`] when the index buffer is too short or an index names no whole vertex.
+pub(super) fn corners(
+    arguments: &Arguments,
+    indices: Option<&Buffer>,
+    vertices: Option<(&Buffer, u32)>,
+) -> Result<Vec<u32>, GpuError> {
+    let (first, count) = (arguments.first_corner, arguments.corner_count);
+    let corners: Vec<u32> = match (arguments.source, indices) {
+        (Corners::Indexed, Some(buffer)) => {
+            let range = buffer.range(4 * u64::from(first), 4 * u64::from(count), "draw")?;
+            buffer.bytes[range]
+                .chunks_exact(4)
+                .map(|four| u32::from_le_bytes(four.try_into().expect("chunks of four bytes")))
+                .collect()
+        }
+        (Corners::Indexed, None) => Vec::new(),
+        (Corners::Counted, _) => (first..first.saturating_add(count)).collect(),
+    };
+    if let Some((buffer, stride)) = vertices
+        && let Some(&most) = corners.iter().max()
+    {
+        buffer.range(
+            u64::from(most) * u64::from(stride),
+            u64::from(stride),
+            "draw",
+        )?;
+    }
+    Ok(corners)
+}
+
+/// What a draw pulls from host memory: bytes of indices, bytes of vertices.
+pub(super) fn fetched_bytes(
+    corners: &[u32],
+    indices: Option<&Buffer>,
+    vertices: Option<(&Buffer, u32)>,
+) -> (u64, u64) {
+    let on_host = |buffer: &Buffer| buffer.residency == Residency::Host;
+    let index_bytes = indices
+        .filter(|buffer| on_host(buffer))
+        .map_or(0, |_| 4 * corners.len() as u64);
+    let vertex_bytes = vertices
+        .filter(|(buffer, _)| on_host(buffer))
+        .map_or(0, |(_, stride)| u64::from(stride) * cache_misses(corners));
+    (index_bytes, vertex_bytes)
+}
+
+/// How many vertices are transformed when a cache of [`VERTEX_CACHE`] holds the last ones.
+fn cache_misses(corners: &[u32]) -> u64 {
+    let mut cache = VecDeque::with_capacity(VERTEX_CACHE);
+    let mut misses = 0;
+    for &corner in corners {
+        if !cache.contains(&corner) {
+            if cache.len() == VERTEX_CACHE {
+                cache.pop_front();
+            }
+            cache.push_back(corner);
+            misses += 1;
+        }
+    }
+    misses
+}
+
+/// What each primitive of a draw pulls from host memory.
+pub(super) fn fetched(
+    arguments: &Arguments,
+    corners: &[u32],
+    corners_per_primitive: usize,
+    indices: Option<&Buffer>,
+    vertices: Option<(&Buffer, u32)>,
+) -> Vec<Fetched> {
+    let on_host = |buffer: &Buffer| buffer.residency == Residency::Host;
+    let primitives = corners.chunks_exact(corners_per_primitive);
+    let fetch = |primitive: &[u32]| {
+        let mut bytes = Vec::new();
+        if indices.is_some_and(on_host) {
+            bytes.extend(primitive.iter().flat_map(|index| index.to_le_bytes()));
+        }
+        if let Some((buffer, stride)) = vertices.filter(|(buffer, _)| on_host(buffer)) {
+            for &index in primitive {
+                let from = index as usize * stride as usize;
+                bytes.extend_from_slice(&buffer.bytes[from..from + stride as usize]);
+            }
+        }
+        Fetched {
+            group: arguments.group,
+            instance: arguments.instance,
+            vertex: primitive[0],
+            bytes,
+        }
+    };
+    primitives
+        .map(fetch)
+        .filter(|fetched| !fetched.bytes.is_empty())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cache_holds_sixteen_vertices() {
+        let quads: Vec<u32> = (0..400).collect();
+        assert_eq!(cache_misses(&quads), 400);
+        let twice: Vec<u32> = (0..16).chain(0..16).collect();
+        assert_eq!(cache_misses(&twice), 16);
+        let beyond: Vec<u32> = (0..17).chain([0]).collect();
+        assert_eq!(cache_misses(&beyond), 18);
+    }
+}

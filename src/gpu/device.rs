@@ -1,0 +1,436 @@
+//! The device: its memory budget, what lives in it, and the counters.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::bus::{Bus, Recording};
+use super::program::Program;
+use super::reads::ReadSet;
+use super::resource::{Buffer, TargetSlot, TextureSlot};
+use super::{
+    BufferDescriptor, BufferId, Card, GpuError, Ledger, Link, ProgramId, Queue, Residency,
+    TargetDescriptor, TargetId, TextureDescriptor, TextureId,
+};
+use crate::math::{index_u32, index_usize};
+use crate::raster::{Image, Key, MipMap, Options, Samples, Target};
+
+/// What a device is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviceDescriptor {
+    /// Bytes of device memory.
+    pub memory_bytes: u64,
+    /// The link to the host, for modelled wire bytes and times.
+    pub link: Link,
+    /// The card, for modelled times.
+    pub card: Card,
+    /// How the rasterizer works: never changes a pixel.
+    pub raster: Options,
+}
+
+/// A simulated GPU.
+#[derive(Debug)]
+pub struct Device {
+    pub(super) descriptor: DeviceDescriptor,
+    pub(super) buffers: Vec<Option<Buffer>>,
+    pub(super) textures: Vec<TextureSlot>,
+    pub(super) targets: Vec<Option<TargetSlot>>,
+    pub(super) programs: Vec<Arc<dyn Program>>,
+    pub(super) bus: Bus,
+    pub(super) reads: Option<ReadSet>,
+    resident: u64,
+    peak: u64,
+}
+
+/// The most pixels that a render target may have on a side.
+pub const MAX_TARGET_SIDE: u32 = 16_384;
+
+/// The most texels that a texture may have on a side.
+pub const MAX_TEXTURE_SIDE: u32 = 8192;
+
+impl Device {
+    /// An empty device.
+    #[must_use]
+    pub fn new(descriptor: DeviceDescriptor) -> Self {
+        Self {
+            descriptor,
+            buffers: Vec::new(),
+            textures: Vec::new(),
+            targets: Vec::new(),
+            programs: Vec::new(),
+            bus: Bus::new(descriptor.link),
+            reads: None,
+            resident: 0,
+            peak: 0,
+        }
+    }
+
+    /// The door through which bytes and commands enter.
+    pub fn queue(&mut self) -> Queue<'_> {
+        Queue::new(self)
+    }
+
+    /// Makes a buffer of zeros.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`] when a device-resident buffer does not fit the budget.
+    pub fn create_buffer(
+        &mut self,
+        descriptor: &BufferDescriptor<'_>,
+    ) -> Result<BufferId, GpuError> {
+        let size = usize::try_from(descriptor.size)
+            .map_err(|_overflow| self.out_of_memory(descriptor.label, descriptor.size))?;
+        if descriptor.residency == Residency::Device {
+            self.allocate(descriptor.label, descriptor.size)?;
+        }
+        self.buffers.push(Some(Buffer {
+            label: descriptor.label.to_owned(),
+            usage: descriptor.usage,
+            residency: descriptor.residency,
+            bytes: vec![0; size],
+        }));
+        Ok(BufferId(index_u32(self.buffers.len() - 1)))
+    }
+
+    /// Frees a buffer; its handle names nothing from then on.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] when it names nothing already.
+    pub fn destroy_buffer(&mut self, buffer: BufferId) -> Result<(), GpuError> {
+        let slot = self
+            .buffers
+            .get_mut(buffer.0 as usize)
+            .and_then(Option::take);
+        let freed = slot.ok_or(GpuError::Unknown {
+            what: "buffer",
+            index: buffer.0,
+        })?;
+        if freed.residency == Residency::Device {
+            self.resident -= freed.bytes.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// Makes a texture of transparent black.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Descriptor`] when a side or the number of levels cannot be,
+    /// [`GpuError::OutOfMemory`] when it does not fit the budget.
+    pub fn create_texture(
+        &mut self,
+        descriptor: &TextureDescriptor<'_>,
+    ) -> Result<TextureId, GpuError> {
+        let TextureDescriptor {
+            label,
+            width,
+            height,
+            levels,
+        } = *descriptor;
+        for (what, side) in [("width", width), ("height", height)] {
+            check(label, what, side, 1, MAX_TEXTURE_SIDE)?;
+        }
+        check(
+            label,
+            "number of levels",
+            levels,
+            1,
+            1 + width.max(height).ilog2(),
+        )?;
+        let sizes = (0..levels).map(|level| {
+            4 * u64::from((width >> level).max(1)) * u64::from((height >> level).max(1))
+        });
+        let sizes: Vec<u64> = sizes.collect();
+        self.allocate(label, sizes.iter().sum())?;
+        let texels = blank_texels(width, height, &sizes);
+        self.textures.push(TextureSlot {
+            label: label.to_owned(),
+            texels,
+        });
+        Ok(TextureId(index_u32(self.textures.len() - 1)))
+    }
+
+    /// Makes a render target.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Descriptor`] when a side is 0 or above [`MAX_TARGET_SIDE`],
+    /// [`GpuError::OutOfMemory`] when it does not fit the budget.
+    pub fn create_target(
+        &mut self,
+        descriptor: &TargetDescriptor<'_>,
+    ) -> Result<TargetId, GpuError> {
+        let TargetDescriptor {
+            label,
+            width,
+            height,
+            samples,
+        } = *descriptor;
+        for (what, side) in [("width", width), ("height", height)] {
+            check(label, what, side, 1, MAX_TARGET_SIDE)?;
+        }
+        self.allocate(label, target_bytes(width, height, samples))?;
+        let target = Target::new(width, height, samples);
+        self.targets.push(Some(TargetSlot {
+            label: label.to_owned(),
+            target,
+        }));
+        Ok(TargetId(index_u32(self.targets.len() - 1)))
+    }
+
+    /// Registers a program.
+    pub fn create_program(&mut self, program: Arc<dyn Program>) -> ProgramId {
+        self.programs.push(program);
+        ProgramId(index_u32(self.programs.len() - 1))
+    }
+
+    /// Hands out what a target shows: scan-out, outside the bus.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] when the target does not exist.
+    pub fn present(&self, target: TargetId) -> Result<Image, GpuError> {
+        Ok(self.target(target)?.target.resolve())
+    }
+
+    /// What shows at a pixel (its first sample); `None` for background or outside.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] when the target does not exist.
+    pub fn key(&self, target: TargetId, x: u32, y: u32) -> Result<Option<Key>, GpuError> {
+        Ok(self.target(target)?.target.key(x, y))
+    }
+
+    /// The target itself, for layers that are looked at beside the picture.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] when the target does not exist.
+    pub fn inspect_target(&self, target: TargetId) -> Result<&Target, GpuError> {
+        Ok(&self.target(target)?.target)
+    }
+
+    /// What was counted since the last call; counting starts anew.
+    pub fn take_ledger(&mut self) -> Ledger {
+        let mut ledger = std::mem::take(self.bus.ledger());
+        ledger.resident_bytes = self.resident;
+        ledger.peak_bytes = self.peak;
+        ledger
+    }
+
+    /// Device memory in use, in bytes.
+    #[must_use]
+    pub fn resident_bytes(&self) -> u64 {
+        self.resident
+    }
+
+    /// Device memory by label, largest first, ties by label.
+    #[must_use]
+    pub fn resident_by_label(&self) -> Vec<(String, u64)> {
+        let mut sums = BTreeMap::<&str, u64>::new();
+        for buffer in self.buffers.iter().flatten() {
+            if buffer.residency == Residency::Device {
+                *sums.entry(&buffer.label).or_default() += buffer.bytes.len() as u64;
+            }
+        }
+        for texture in &self.textures {
+            *sums.entry(&texture.label).or_default() += (0..texture.texels.level_count())
+                .map(|level| texture.texels.level_bytes(level).len() as u64)
+                .sum::<u64>();
+        }
+        for slot in self.targets.iter().flatten() {
+            let target = &slot.target;
+            *sums.entry(&slot.label).or_default() +=
+                target_bytes(target.width(), target.height(), target.samples());
+        }
+        let mut list: Vec<_> = sums
+            .into_iter()
+            .map(|(label, bytes)| (label.to_owned(), bytes))
+            .collect();
+        list.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+        list
+    }
+
+    /// The link.
+    #[must_use]
+    pub fn link(&self) -> Link {
+        self.bus.link()
+    }
+
+    /// Starts recording every change of device memory.
+    pub fn record(&mut self) {
+        self.bus.record();
+    }
+
+    /// What was recorded, if [`record`](Self::record) was called.
+    #[must_use]
+    pub fn recording(&self) -> Option<&Recording> {
+        self.bus.recording()
+    }
+
+    /// Starts noting every byte that draws read.
+    pub fn track_reads(&mut self) {
+        self.reads = Some(ReadSet::default());
+    }
+
+    /// What draws have read since [`track_reads`](Self::track_reads).
+    #[must_use]
+    pub fn reads(&self) -> Option<&ReadSet> {
+        self.reads.as_ref()
+    }
+
+    /// Looks at a buffer through the simulator's microscope: costs nothing, changes nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] when the buffer does not exist.
+    pub fn inspect_buffer(&self, buffer: BufferId) -> Result<&[u8], GpuError> {
+        Ok(&self.buffer(buffer)?.bytes)
+    }
+
+    /// Overwrites bytes of a buffer with `filler` behind the bus's back, to prove that nobody reads
+    /// them.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] or [`GpuError::Bounds`].
+    pub fn poison(
+        &mut self,
+        buffer: BufferId,
+        range: Range<u64>,
+        filler: u8,
+    ) -> Result<(), GpuError> {
+        let (start, end) = (range.start, range.end);
+        let bytes = self.buffer_range_mut(buffer, start, end.saturating_sub(start), "poison")?;
+        bytes.fill(filler);
+        Ok(())
+    }
+
+    /// The handles of all living buffers with their labels, in order of creation.
+    pub fn buffers(&self) -> impl Iterator<Item = (BufferId, &str)> {
+        self.buffers.iter().enumerate().filter_map(|(index, slot)| {
+            slot.as_ref()
+                .map(|buffer| (BufferId(index_u32(index)), buffer.label.as_str()))
+        })
+    }
+
+    pub(super) fn buffer(&self, id: BufferId) -> Result<&Buffer, GpuError> {
+        let slot = self.buffers.get(id.0 as usize).and_then(Option::as_ref);
+        slot.ok_or(GpuError::Unknown {
+            what: "buffer",
+            index: id.0,
+        })
+    }
+
+    /// A buffer whose handle was checked just before.
+    pub(super) fn living(&self, id: BufferId) -> &Buffer {
+        self.buffer(id).expect("the handle was checked just before")
+    }
+
+    pub(super) fn texture(&self, id: TextureId) -> Result<&TextureSlot, GpuError> {
+        let slot = self.textures.get(id.0 as usize);
+        slot.ok_or(GpuError::Unknown {
+            what: "texture",
+            index: id.0,
+        })
+    }
+
+    pub(super) fn target(&self, id: TargetId) -> Result<&TargetSlot, GpuError> {
+        let slot = self.targets.get(id.0 as usize).and_then(Option::as_ref);
+        slot.ok_or(GpuError::Unknown {
+            what: "target",
+            index: id.0,
+        })
+    }
+
+    pub(super) fn buffer_range_mut(
+        &mut self,
+        id: BufferId,
+        offset: u64,
+        size: u64,
+        what: &'static str,
+    ) -> Result<&mut [u8], GpuError> {
+        let range = self.buffer(id)?.range(offset, size, what)?;
+        let slot = self.buffers.get_mut(id.0 as usize).and_then(Option::as_mut);
+        Ok(&mut slot.expect("the line above found it").bytes[range])
+    }
+
+    fn allocate(&mut self, label: &str, bytes: u64) -> Result<(), GpuError> {
+        let free = self.descriptor.memory_bytes - self.resident;
+        if bytes > free {
+            return Err(self.out_of_memory(label, bytes));
+        }
+        self.resident += bytes;
+        self.peak = self.peak.max(self.resident);
+        Ok(())
+    }
+
+    fn out_of_memory(&self, label: &str, asked: u64) -> GpuError {
+        let budget = self.descriptor.memory_bytes;
+        GpuError::OutOfMemory {
+            label: label.to_owned(),
+            asked,
+            free: budget - self.resident,
+            budget,
+        }
+    }
+}
+
+impl Buffer {
+    /// The range as indices, if the buffer holds it.
+    pub(super) fn range(
+        &self,
+        offset: u64,
+        size: u64,
+        what: &'static str,
+    ) -> Result<Range<usize>, GpuError> {
+        let holds = self.bytes.len() as u64;
+        match offset.checked_add(size) {
+            Some(end) if end <= holds => Ok(index_usize(offset)..index_usize(end)),
+            _ => Err(GpuError::Bounds {
+                label: self.label.clone(),
+                holds,
+                what,
+                from: offset,
+                to: offset.saturating_add(size),
+            }),
+        }
+    }
+}
+
+fn blank_texels(width: u32, height: u32, sizes: &[u64]) -> MipMap {
+    let levels = sizes
+        .iter()
+        .map(|&size| vec![0; index_usize(size)])
+        .collect();
+    MipMap::new(width, height, levels).expect("level sizes follow from the checked sides")
+}
+
+fn target_bytes(width: u32, height: u32, samples: Samples) -> u64 {
+    let samples = match samples {
+        Samples::One => 1,
+        Samples::Four => 4,
+    };
+    8 * samples * u64::from(width) * u64::from(height)
+}
+
+fn check(
+    label: &str,
+    what: &'static str,
+    found: u32,
+    least: u32,
+    most: u32,
+) -> Result<(), GpuError> {
+    if (least..=most).contains(&found) {
+        return Ok(());
+    }
+    Err(GpuError::Descriptor {
+        label: label.to_owned(),
+        what,
+        found: u64::from(found),
+        wanted: format!("{least} to {most}"),
+    })
+}

@@ -1,0 +1,206 @@
+//! What was moved and drawn: the ledger of a frame.
+
+use std::collections::BTreeMap;
+
+use super::Ticks;
+
+/// Why bytes were moved; opaque to the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Cause {
+    /// The kind, such as `"slot"`.
+    pub kind: &'static str,
+    /// Which one of its kind, such as a cluster's number.
+    pub id: Option<u32>,
+}
+
+impl Cause {
+    /// A cause without a number.
+    #[must_use]
+    pub const fn of(kind: &'static str) -> Self {
+        Self { kind, id: None }
+    }
+
+    /// A numbered cause.
+    #[must_use]
+    pub const fn numbered(kind: &'static str, id: u32) -> Self {
+        Self { kind, id: Some(id) }
+    }
+}
+
+/// A direction over the bus; the streams are never added to one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stream {
+    /// Host to device, by [`Queue::write`](super::Queue::write) and its kin.
+    Upload,
+    /// What draws pull from host-resident buffers.
+    Fetch,
+    /// Device to host, by [`Queue::read`](super::Queue::read).
+    Readback,
+}
+
+impl Stream {
+    /// The stream's name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Upload => "upload",
+            Self::Fetch => "fetch",
+            Self::Readback => "readback",
+        }
+    }
+}
+
+/// One transfer over the bus.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Transfer {
+    /// The direction.
+    pub stream: Stream,
+    /// The label of the resource; of the first one, where a gathered write has several.
+    pub resource: String,
+    /// Why; the first region's, where a gathered write has several.
+    pub cause: Cause,
+    /// How many separate ranges it fills or reads.
+    pub ranges: u64,
+    /// Bytes asked for.
+    pub payload_bytes: u64,
+    /// Modelled: bytes on the wire.
+    pub wire_bytes: u64,
+    /// Modelled: time on the link.
+    pub ticks: Ticks,
+}
+
+/// Sums over the transfers of one stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Traffic {
+    /// How many transfers.
+    pub transfers: u64,
+    /// Bytes asked for.
+    pub payload_bytes: u64,
+    /// Modelled: bytes on the wire.
+    pub wire_bytes: u64,
+    /// Modelled: time on the link.
+    pub ticks: Ticks,
+}
+
+impl Traffic {
+    /// Adds what `other` counted.
+    pub fn add(&mut self, other: &Self) {
+        self.transfers += other.transfers;
+        self.payload_bytes += other.payload_bytes;
+        self.wire_bytes += other.wire_bytes;
+        self.ticks += other.ticks;
+    }
+}
+
+/// Transfers and payload of one cause or buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Share {
+    /// How many transfers.
+    pub transfers: u64,
+    /// Bytes asked for.
+    pub payload_bytes: u64,
+}
+
+/// Order-free counts of the rasterizer's work, under exact counters only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct WorkCounts {
+    /// Samples inside triangles.
+    pub covered: u64,
+    /// Of those, samples whose pixel failed the alpha test.
+    pub alpha_killed: u64,
+    /// Covered, kept by the alpha test, and not visible at the end.
+    pub hidden: u64,
+    /// Texels read.
+    pub texels: u64,
+}
+
+/// Everything counted between two calls of
+/// [`Device::take_ledger`](super::Device::take_ledger).
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Ledger {
+    /// Host to device.
+    pub upload: Traffic,
+    /// Pulled by draws from host memory.
+    pub fetch: Traffic,
+    /// Device to host.
+    pub readback: Traffic,
+    /// Bytes of the command stream, by the table in [`gpu`](super).
+    pub command_bytes: u64,
+    /// Draws executed, each record of an indirect one counted.
+    pub draws: u64,
+    /// Vertices submitted.
+    pub vertices: u64,
+    /// Primitives submitted: triangles, quads or lines.
+    pub primitives: u64,
+    /// Samples that show something drawn by these passes.
+    pub visible_samples: u64,
+    /// Device memory in use when the ledger was taken.
+    pub resident_bytes: u64,
+    /// The most device memory in use so far.
+    pub peak_bytes: u64,
+    /// Shares of all streams by kind of cause.
+    pub by_cause: BTreeMap<&'static str, Share>,
+    /// Shares of all streams by label.
+    pub by_buffer: BTreeMap<String, Share>,
+    /// Under exact counters: the rasterizer's work.
+    pub work: Option<WorkCounts>,
+    /// Under exact counters: modelled time on the card.
+    pub gpu_ticks: Option<Ticks>,
+    /// Every transfer, in order.
+    pub transfers: Vec<Transfer>,
+}
+
+impl Ledger {
+    /// The sums of one stream.
+    #[must_use]
+    pub fn stream(&self, stream: Stream) -> &Traffic {
+        match stream {
+            Stream::Upload => &self.upload,
+            Stream::Fetch => &self.fetch,
+            Stream::Readback => &self.readback,
+        }
+    }
+
+    pub(super) fn stream_mut(&mut self, stream: Stream) -> &mut Traffic {
+        match stream {
+            Stream::Upload => &mut self.upload,
+            Stream::Fetch => &mut self.fetch,
+            Stream::Readback => &mut self.readback,
+        }
+    }
+
+    /// Adds what `other` counted; its transfers are left out, memory figures are the greater ones.
+    pub fn add(&mut self, other: &Self) {
+        self.upload.add(&other.upload);
+        self.fetch.add(&other.fetch);
+        self.readback.add(&other.readback);
+        self.command_bytes += other.command_bytes;
+        self.draws += other.draws;
+        self.vertices += other.vertices;
+        self.primitives += other.primitives;
+        self.visible_samples += other.visible_samples;
+        self.resident_bytes = self.resident_bytes.max(other.resident_bytes);
+        self.peak_bytes = self.peak_bytes.max(other.peak_bytes);
+        for (cause, share) in &other.by_cause {
+            add_share(self.by_cause.entry(cause).or_default(), *share);
+        }
+        for (label, share) in &other.by_buffer {
+            add_share(self.by_buffer.entry(label.clone()).or_default(), *share);
+        }
+        if let Some(other) = other.work {
+            let work = self.work.get_or_insert_default();
+            work.covered += other.covered;
+            work.alpha_killed += other.alpha_killed;
+            work.hidden += other.hidden;
+            work.texels += other.texels;
+        }
+        if let Some(ticks) = other.gpu_ticks {
+            *self.gpu_ticks.get_or_insert_default() += ticks;
+        }
+    }
+}
+
+fn add_share(sum: &mut Share, share: Share) {
+    sum.transfers += share.transfers;
+    sum.payload_bytes += share.payload_bytes;
+}

@@ -1,0 +1,231 @@
+//! Commands as plain data: they can be printed, compared and replayed.
+//!
+//! What each costs in the command stream:
+//!
+//! | command | bytes |
+//! |---|---:|
+//! | bind a program, buffer or texture | 8 |
+//! | draw, or draw from a counter | 20 |
+//! | indirect draw, each record | 8 |
+//! | begin a pass: target, load operation, clear values | 24 |
+//! | copy, or one region of a gathered write | 24 |
+//! | clear a buffer | 24 |
+//! | dispatch | 16 |
+
+use super::{BufferId, ProgramId, TargetId, TextureId};
+use crate::math::Vec4;
+
+/// A command of the device.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// Draws into a target.
+    Render(RenderPass),
+    /// Copies within the device.
+    Copy {
+        /// Where from.
+        source: BufferId,
+        /// The first byte read.
+        source_offset: u64,
+        /// Where to.
+        destination: BufferId,
+        /// The first byte written.
+        destination_offset: u64,
+        /// How many bytes.
+        size: u64,
+    },
+    /// Sets bytes to zero within the device.
+    Clear {
+        /// Where.
+        buffer: BufferId,
+        /// The first byte.
+        offset: u64,
+        /// How many bytes.
+        size: u64,
+    },
+    /// Runs a program over buffers.
+    Compute(ComputePass),
+}
+
+/// Draws into one target.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderPass {
+    /// A name for reports.
+    pub label: String,
+    /// Where to.
+    pub target: TargetId,
+    /// What is there at the start.
+    pub load: Load,
+    /// What to do, in order; bindings hold until they are replaced.
+    pub steps: Vec<Step>,
+}
+
+/// What a target holds when a pass begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// What the last pass left.
+    Keep,
+    /// One linear colour and one depth everywhere.
+    Clear {
+        /// Linear colour.
+        color: Vec4,
+        /// Depth from 0 (near) to 1 (far).
+        depth: f32,
+    },
+}
+
+/// A step of a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// Chooses the program.
+    Program(ProgramId),
+    /// Sets the buffer that vertices come from.
+    Vertices(BufferId),
+    /// Sets the buffer that indices come from.
+    Indices(BufferId),
+    /// Sets a buffer that the program reads.
+    Storage {
+        /// The program's slot.
+        slot: u32,
+        /// The buffer.
+        buffer: BufferId,
+    },
+    /// Sets a texture that the program reads.
+    Texture {
+        /// The program's slot.
+        slot: u32,
+        /// The texture.
+        texture: TextureId,
+    },
+    /// Leaves a texture slot empty.
+    NoTexture {
+        /// The program's slot.
+        slot: u32,
+    },
+    /// Draws.
+    Draw(Draw),
+    /// Draws with arguments from a buffer.
+    DrawIndirect(DrawIndirect),
+    /// Draws what a counter in a buffer leaves.
+    DrawFromCounter(DrawFromCounter),
+}
+
+/// A draw whose arguments are in the command; they carry no state of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Draw {
+    /// Whether corners are indices from the bound index buffer or count up from the first.
+    pub source: Corners,
+    /// The first corner.
+    pub first_corner: u32,
+    /// How many corners.
+    pub corner_count: u32,
+    /// The instance; second part of the key that breaks ties of depth.
+    pub instance: u32,
+    /// First part of the key.
+    pub group: u32,
+}
+
+/// Where the corners of primitives come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Corners {
+    /// `u32` indices in the bound index buffer.
+    Indexed,
+    /// The numbers from the first corner on.
+    Counted,
+}
+
+/// Draws whose arguments lie in a buffer: `count` records of [`IndirectRecord::STRIDE`] bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DrawIndirect {
+    /// Whether corners are indices or count up.
+    pub source: Corners,
+    /// The buffer.
+    pub arguments: BufferId,
+    /// The first byte of the first record.
+    pub offset: u64,
+    /// How many records.
+    pub count: u32,
+    /// First part of the key that breaks ties of depth.
+    pub group: u32,
+}
+
+/// A draw whose first corner the device derives from a counter in a buffer, as stream-output draws
+/// derive their count: corners `scale × counter .. end`. A counter of `u32::MAX` draws `0 .. end`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DrawFromCounter {
+    /// Whether corners are indices or count up.
+    pub source: Corners,
+    /// The buffer that holds the counter, a little-endian `u32`.
+    pub counter: BufferId,
+    /// The counter's first byte.
+    pub offset: u64,
+    /// Corners a count.
+    pub scale: u32,
+    /// One past the last corner.
+    pub end: u32,
+    /// The instance; second part of the key that breaks ties of depth.
+    pub instance: u32,
+    /// First part of the key.
+    pub group: u32,
+}
+
+/// The arguments of one indirect draw.
+///
+/// | bytes | field          | type  | meaning |
+/// |------:|----------------|-------|---------|
+/// | 0–3   | `corner_count` | `u32` | corners to draw |
+/// | 4–7   | `instances`    | `u32` | 1, or 0 to draw nothing |
+/// | 8–11  | `first_corner` | `u32` | the first corner |
+/// | 12–15 | `instance`     | `u32` | second part of the key |
+///
+/// Little-endian and unpadded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IndirectRecord {
+    /// Corners to draw.
+    pub corner_count: u32,
+    /// 1, or 0 to draw nothing; further instances come with the forests.
+    pub instances: u32,
+    /// The first corner.
+    pub first_corner: u32,
+    /// Second part of the key that breaks ties of depth.
+    pub instance: u32,
+}
+
+impl IndirectRecord {
+    /// Bytes a record.
+    pub const STRIDE: u64 = 16;
+
+    /// The record's bytes.
+    #[must_use]
+    pub fn to_bytes(self) -> [u8; 16] {
+        let words = [
+            self.corner_count,
+            self.instances,
+            self.first_corner,
+            self.instance,
+        ];
+        let mut bytes = [0; 16];
+        for (four, word) in bytes.chunks_exact_mut(4).zip(words) {
+            four.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+}
+
+/// A program run over buffers; part of the format, not executed by this version.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ComputePass {
+    /// A name for reports.
+    pub label: String,
+    /// The program.
+    pub program: ProgramId,
+    /// The buffers that it reads and writes, by slot.
+    pub storage: Vec<BufferId>,
+    /// How many work groups along each axis.
+    pub groups: [u32; 3],
+}
+
+pub(super) const BIND_BYTES: u64 = 8;
+pub(super) const DRAW_BYTES: u64 = 20;
+pub(super) const INDIRECT_BYTES: u64 = 8;
+pub(super) const PASS_BYTES: u64 = 24;
+pub(super) const CLEAR_BYTES: u64 = 24;

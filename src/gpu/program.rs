@@ -1,0 +1,149 @@
+//! Programs: the stages of a draw, and what they may read.
+
+use super::BufferId;
+use super::reads::ReadSet;
+use super::resource::Buffer;
+use crate::raster::{Blend, Geometry, Kernel, MipMap, Topology};
+
+/// The most storage buffers or textures of a program.
+pub const MAX_SLOTS: usize = 16;
+
+/// A vertex stage and a fragment stage, with a stable identity. Parameters are bytes in buffers.
+pub trait Program: Send + Sync + std::fmt::Debug {
+    /// What the program needs and how it draws.
+    fn layout(&self) -> Layout;
+
+    /// The vertex stage: turns `call.corners` into clip-space vertices and primitives. It may leave
+    /// primitives out; they then cost their vertices and no more.
+    fn vertex_stage(&self, call: &VertexCall<'_>, geometry: &mut Geometry);
+
+    /// The fragment stage with what it reads.
+    fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a>;
+}
+
+/// What a program needs and how it draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// A stable name.
+    pub name: &'static str,
+    /// Counts up when the program computes anything else.
+    pub version: u32,
+    /// How corners connect.
+    pub topology: Topology,
+    /// How fragments meet what is there.
+    pub blend: Blend,
+    /// Bytes of one vertex in the bound vertex buffer; 0 when the program pulls vertices from
+    /// storage.
+    pub vertex_stride: u32,
+    /// How many storage slots must be bound, from 0.
+    pub storage_slots: u32,
+    /// How many texture slots must be bound, from 0.
+    pub texture_slots: u32,
+}
+
+/// A run of primitives for the vertex stage.
+#[derive(Debug, Clone, Copy)]
+pub struct VertexCall<'a> {
+    /// The vertex index of each corner: whole primitives.
+    pub corners: &'a [u32],
+    /// The instance.
+    pub instance: u32,
+    /// What is bound.
+    pub bindings: &'a Bindings<'a>,
+}
+
+/// What a draw has bound.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Bindings<'a> {
+    pub(super) vertices: Words<'a>,
+    pub(super) storage: [Option<Words<'a>>; MAX_SLOTS],
+    pub(super) textures: [Option<&'a MipMap>; MAX_SLOTS],
+}
+
+impl<'a> Bindings<'a> {
+    /// The bound vertex buffer.
+    #[must_use]
+    pub fn vertices(&self) -> Words<'a> {
+        self.vertices
+    }
+
+    /// A storage buffer; reads as zeros where nothing is bound.
+    #[must_use]
+    pub fn storage(&self, slot: usize) -> Words<'a> {
+        self.storage
+            .get(slot)
+            .copied()
+            .flatten()
+            .unwrap_or_default()
+    }
+
+    /// A texture, where one is bound; the program's [`Layout::texture_slots`] always are.
+    #[must_use]
+    pub fn texture(&self, slot: usize) -> Option<&'a MipMap> {
+        self.textures.get(slot).copied().flatten()
+    }
+}
+
+/// A buffer as little-endian words; reading past the end gives 0.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Words<'a> {
+    bytes: &'a [u8],
+    tracked: Option<(BufferId, &'a ReadSet)>,
+}
+
+impl<'a> Words<'a> {
+    pub(super) fn of(id: BufferId, buffer: &'a Buffer, reads: Option<&'a ReadSet>) -> Self {
+        Self {
+            bytes: &buffer.bytes,
+            tracked: reads.map(|reads| (id, reads)),
+        }
+    }
+
+    /// How many whole words there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bytes.len() / 4
+    }
+
+    /// Whether there is no word.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The word at `index` as an integer.
+    #[must_use]
+    pub fn u32(&self, index: usize) -> u32 {
+        u32::from_le_bytes(self.read::<1>(index)[0])
+    }
+
+    /// The word at `index` as a float.
+    #[must_use]
+    pub fn f32(&self, index: usize) -> f32 {
+        f32::from_le_bytes(self.read::<1>(index)[0])
+    }
+
+    /// `N` words from `index` on as integers.
+    #[must_use]
+    pub fn u32s<const N: usize>(&self, index: usize) -> [u32; N] {
+        self.read(index).map(u32::from_le_bytes)
+    }
+
+    /// `N` words from `index` on as floats.
+    #[must_use]
+    pub fn f32s<const N: usize>(&self, index: usize) -> [f32; N] {
+        self.read(index).map(f32::from_le_bytes)
+    }
+
+    fn read<const N: usize>(&self, index: usize) -> [[u8; 4]; N] {
+        if let Some((buffer, reads)) = self.tracked {
+            reads.mark(buffer, 4 * index..4 * (index + N));
+        }
+        let from = self.bytes.get(4 * index..).unwrap_or_default();
+        std::array::from_fn(|word| {
+            from.get(4 * word..4 * word + 4).map_or([0; 4], |four| {
+                four.try_into().expect("a slice of four bytes")
+            })
+        })
+    }
+}

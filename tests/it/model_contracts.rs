@@ -1,0 +1,390 @@
+//! The laws that every model and mode keeps, on random crowns and random walks through states.
+//!
+//! Each law names the seeded bug that it was seen to catch, and a test at the end plants it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use proptest::prelude::{ProptestConfig, any, prop_assert_eq, proptest};
+use proptest::test_runner::TestCaseError;
+use spinney::gpu::{BufferId, RecordingEntry, ResourceId};
+use spinney::models::{Crown, Extraction, Gather, Kind, ModelOptions, State};
+
+use crate::support::{OPTIONS, Stage, random_crown, random_state};
+
+const SIDE: u32 = 48;
+
+/// Both ways to extract and to send, by a number.
+fn options(choice: u64) -> ModelOptions {
+    ModelOptions {
+        extraction: if choice & 1 == 0 {
+            Extraction::Single
+        } else {
+            Extraction::Batched
+        },
+        gather: if choice & 2 == 0 {
+            Gather::Single
+        } else {
+            Gather::Regions
+        },
+    }
+}
+
+/// Law 1, residency: after any walk, every byte that a draw of the state can read equals a fresh
+/// upload of that state; what draws pull from the host is the same, primitive by primitive.
+///
+/// Caught: a resident that commits a state of one collapse more than it says.
+fn check_residency(walked: &mut Stage, fresh: &mut Stage) -> Result<(), TestCaseError> {
+    fresh.device.track_reads();
+    fresh.draw();
+    let reads = fresh.device.reads().expect("just tracked");
+    for buffer in reads.buffers() {
+        let (wanted, found) = (bytes(fresh, buffer), bytes(walked, buffer));
+        prop_assert_eq!(wanted.len(), found.len());
+        for range in reads.ranges(buffer) {
+            let range = range.start as usize..(range.end as usize).min(wanted.len());
+            prop_assert_eq!(
+                &wanted[range.clone()],
+                &found[range.clone()],
+                "{:?} bytes {:?}",
+                buffer,
+                range
+            );
+        }
+    }
+    if !reads.fetched.is_empty() {
+        walked.device.track_reads();
+        walked.draw();
+        let sorted = |stage: &Stage| {
+            let mut fetched = stage.device.reads().expect("tracked").fetched.clone();
+            fetched.sort();
+            fetched
+        };
+        prop_assert_eq!(sorted(fresh), sorted(walked));
+    }
+    Ok(())
+}
+
+fn bytes(stage: &Stage, buffer: BufferId) -> Vec<u8> {
+    stage
+        .device
+        .inspect_buffer(buffer)
+        .expect("both devices made the same buffers")
+        .to_vec()
+}
+
+/// Law 2, images: the same leaves give the same picture, bit for bit, in all models and modes, and
+/// bytes that no draw reads do not matter.
+///
+/// Caught: a resident that draws under another instance number, whose ties fall otherwise.
+fn check_image(
+    walked: &mut Stage,
+    fresh: &mut Stage,
+    reference: &mut Stage,
+) -> Result<(), TestCaseError> {
+    fresh.device.track_reads();
+    let wanted = reference.draw();
+    prop_assert_eq!(
+        &fresh.draw(),
+        &wanted,
+        "a fresh upload draws what the reference draws"
+    );
+    let reads = fresh.device.reads().expect("just tracked");
+    for buffer in reads.buffers() {
+        let size = bytes(walked, buffer).len() as u64;
+        let mut from = 0;
+        for range in reads.ranges(buffer).into_iter().chain([size..size]) {
+            let gap = from..range.start.min(size);
+            if gap.start < gap.end && reads.fetched.is_empty() {
+                walked
+                    .device
+                    .poison(buffer, gap, 0xa5)
+                    .expect("within the buffer");
+            }
+            from = range.end;
+        }
+    }
+    prop_assert_eq!(&walked.draw(), &wanted, "poisoned bytes are seen");
+    Ok(())
+}
+
+/// Law 3, conservation: the recorded writes, replayed into zeroed arrays, give what the device
+/// holds, and their lengths add up to the ledger.
+///
+/// Caught: a byte that was changed behind the bus's back.
+fn check_conservation(stage: &mut Stage, payload: u64) -> Result<(), TestCaseError> {
+    let recording = stage
+        .device
+        .recording()
+        .expect("recorded from the start")
+        .clone();
+    let mut memory: BTreeMap<BufferId, Vec<u8>> = BTreeMap::new();
+    let mut sum = 0;
+    for entry in &recording.entries {
+        let RecordingEntry::Write {
+            resource,
+            offset,
+            bytes,
+        } = entry
+        else {
+            continue;
+        };
+        sum += bytes.len() as u64;
+        if let ResourceId::Buffer(buffer) = resource {
+            let size = stage
+                .device
+                .inspect_buffer(*buffer)
+                .expect("it was written")
+                .len();
+            let array = memory.entry(*buffer).or_insert_with(|| vec![0; size]);
+            array[*offset as usize..][..bytes.len()].copy_from_slice(bytes);
+        }
+    }
+    prop_assert_eq!(sum, payload, "lengths add up to the ledger");
+    for (buffer, replayed) in &memory {
+        let held = stage
+            .device
+            .inspect_buffer(*buffer)
+            .expect("it was written");
+        prop_assert_eq!(&replayed[..], held, "{:?}", buffer);
+    }
+    Ok(())
+}
+
+/// Law 4, partition: the visible leaves are one cut of each tree, each original under exactly one
+/// of them.
+///
+/// Caught: the papers' static list.
+fn check_partition(crown: &Crown, drawn: &[u32], state: &State) -> Result<(), TestCaseError> {
+    let sequence = crown.sequence();
+    let originals = sequence.original_count();
+    let mut covered = vec![0_u32; originals as usize];
+    for &leaf in drawn {
+        let mut below = vec![leaf];
+        while let Some(leaf) = below.pop() {
+            match leaf.checked_sub(originals) {
+                None => covered[leaf as usize] += 1,
+                Some(op) => below.extend(sequence.collapses()[op as usize].old),
+            }
+        }
+    }
+    prop_assert_eq!(covered, vec![1; originals as usize], "in {:?}", state);
+    prop_assert_eq!(drawn.len() as u32, state.leaf_count(crown.clusters()));
+    if let State::Uniform { collapses } = state {
+        let mut drawn = drawn.to_vec();
+        drawn.sort_unstable();
+        prop_assert_eq!(drawn, sequence.visible_after(*collapses));
+    }
+    Ok(())
+}
+
+/// One walk: all laws at every step, images at the end and at one step between.
+fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<(), TestCaseError> {
+    let options = options(seed);
+    let start = random_state(crown, seed);
+    let mut walked = Stage::at(kind, &options, crown, &start, 8);
+    let model = kind.model(crown, &options);
+    let looked_at = [choices.len() - 1, (seed as usize >> 8) % choices.len()];
+    for (step, &choice) in choices.iter().enumerate() {
+        let state = random_state(crown, choice);
+        walked.commit(&state);
+        prop_assert_eq!(
+            walked.resident.state() == &state,
+            kind.has_levels() || walked.resident.state() == &state
+        );
+        let mut fresh = Stage::at(kind, &options, crown, &state, 8);
+        check_residency(&mut walked, &mut fresh)?;
+        if kind.has_levels() {
+            check_partition(crown, &model.drawn(&state), &state)?;
+        }
+        if looked_at.contains(&step) {
+            let shown = if kind.has_levels() {
+                &state
+            } else {
+                &State::FINEST
+            };
+            let mut walked = Stage::at(kind, &options, crown, &start, SIDE);
+            choices[..=step]
+                .iter()
+                .for_each(|&c| walked.commit(&random_state(crown, c)));
+            let payload = walked.device.take_ledger().upload.payload_bytes;
+            check_conservation(&mut walked, payload)?;
+            let mut fresh = Stage::at(kind, &options, crown, &state, SIDE);
+            let mut reference = Stage::at(Kind::LodfCluster, &OPTIONS, crown, shown, SIDE);
+            check_image(&mut walked, &mut fresh, &mut reference)?;
+        }
+    }
+    Ok(())
+}
+
+macro_rules! contracts {
+    ($($name:ident: $kind:expr;)*) => {
+        proptest! {
+            #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+            $(
+                #[test]
+                fn $name(
+                    seed in any::<u64>(),
+                    leaves in 2_u32..20,
+                    roots in 1_u32..5,
+                    choices in proptest::collection::vec(any::<u64>(), 1..60),
+                ) {
+                    walk($kind, seed, &random_crown(seed, leaves, roots), &choices)?;
+                }
+            )*
+        }
+    };
+}
+
+contracts! {
+    full: Kind::Full;
+    vdf_host: Kind::VdfHost;
+    vdf_indices: Kind::VdfIndices;
+    lodf_host: Kind::LodfHost;
+    lodf_cluster: Kind::LodfCluster;
+    lodf_slots: Kind::LodfSlots;
+    lodf_stamps: Kind::LodfStamps;
+}
+
+mod seeded {
+    //! Broken residents, each of which one law must catch.
+
+    use spinney::gpu::{Draw, DrawFromCounter, DrawIndirect, GpuError, Queue, Step};
+    use spinney::models::{Change, Resident};
+
+    use super::*;
+
+    /// A sound resident with one fault.
+    #[derive(Debug)]
+    struct Faulty {
+        inner: Box<dyn Resident>,
+        shown: State,
+        fault: Fault,
+    }
+
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    enum Fault {
+        /// Commits one collapse more than asked for.
+        OffByOne,
+        /// Draws under another instance.
+        OtherInstance,
+    }
+
+    impl Resident for Faulty {
+        fn state(&self) -> &State {
+            &self.shown
+        }
+
+        fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
+            self.shown = to.clone();
+            match (self.fault, to) {
+                (Fault::OffByOne, State::Uniform { collapses }) => self.inner.commit(
+                    queue,
+                    &State::Uniform {
+                        collapses: collapses + 1,
+                    },
+                ),
+                _ => self.inner.commit(queue, to),
+            }
+        }
+
+        fn draw(&self, steps: &mut Vec<Step>) {
+            self.inner.draw(steps);
+            for step in steps {
+                if let (Fault::OtherInstance, Step::Draw(Draw { group, .. }))
+                | (Fault::OtherInstance, Step::DrawIndirect(DrawIndirect { group, .. }))
+                | (
+                    Fault::OtherInstance,
+                    Step::DrawFromCounter(DrawFromCounter { group, .. }),
+                ) = (self.fault, step)
+                {
+                    *group += 1;
+                }
+            }
+        }
+    }
+
+    fn faulty(kind: Kind, crown: &Arc<Crown>, to: &State, fault: Fault) -> Stage {
+        let mut stage = Stage::at(kind, &OPTIONS, crown, &State::FINEST, SIDE);
+        let empty = Stage::at(Kind::Full, &OPTIONS, crown, &State::FINEST, 1).resident;
+        let inner = std::mem::replace(&mut stage.resident, empty);
+        stage.resident = Box::new(Faulty {
+            inner,
+            shown: State::FINEST,
+            fault,
+        });
+        stage.commit(to);
+        stage
+    }
+
+    const HALF: State = State::Uniform { collapses: 4 };
+
+    #[test]
+    fn residency_catches_a_commit_of_another_state() {
+        let crown = random_crown(5, 12, 2);
+        for kind in Kind::SOUND.into_iter().filter(|kind| kind.has_levels()) {
+            let mut walked = faulty(kind, &crown, &HALF, Fault::OffByOne);
+            let mut fresh = Stage::at(kind, &OPTIONS, &crown, &HALF, SIDE);
+            assert!(
+                check_residency(&mut walked, &mut fresh).is_err(),
+                "{kind:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn images_catch_another_state_and_are_blind_to_the_key() {
+        let crown = random_crown(5, 12, 2);
+        let mut reference = Stage::at(Kind::LodfCluster, &OPTIONS, &crown, &HALF, SIDE);
+        for kind in Kind::SOUND.into_iter().filter(|kind| kind.has_levels()) {
+            let mut fresh = Stage::at(kind, &OPTIONS, &crown, &HALF, SIDE);
+            let mut wrong = faulty(kind, &crown, &HALF, Fault::OffByOne);
+            assert!(
+                check_image(&mut wrong, &mut fresh, &mut reference).is_err(),
+                "{kind:?}"
+            );
+            // A group is part of the key alone: nothing that a picture could show.
+            let mut keyed = faulty(kind, &crown, &HALF, Fault::OtherInstance);
+            assert!(
+                check_image(&mut keyed, &mut fresh, &mut reference).is_ok(),
+                "{kind:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn conservation_catches_a_byte_changed_behind_the_bus() {
+        let crown = random_crown(5, 12, 2);
+        let mut stage = Stage::at(Kind::LodfSlots, &OPTIONS, &crown, &State::FINEST, SIDE);
+        stage.commit(&HALF);
+        let payload = stage.device.take_ledger().upload.payload_bytes;
+        assert!(check_conservation(&mut stage, payload).is_ok());
+        assert!(check_conservation(&mut stage, payload + 1).is_err());
+        let named = |label: &str| {
+            let found = stage.device.buffers().find(|(_, name)| *name == label);
+            found.expect("slots keep records").0
+        };
+        let records = named("leaf records");
+        let byte = !bytes(&stage, records)[3];
+        stage
+            .device
+            .poison(records, 3..4, byte)
+            .expect("within the buffer");
+        assert!(check_conservation(&mut stage, payload).is_err());
+    }
+
+    #[test]
+    fn partition_catches_the_papers_list() {
+        let mut wrong = 0;
+        for seed in 0..20 {
+            let crown = random_crown(seed, 14, 2);
+            let literal = Kind::LodfLiteral.model(&crown, &OPTIONS);
+            for collapses in 0..=crown.sequence().collapse_count() {
+                let state = State::Uniform { collapses };
+                wrong +=
+                    u32::from(check_partition(&crown, &literal.drawn(&state), &state).is_err());
+            }
+        }
+        assert!(wrong > 100, "only {wrong} states were caught");
+    }
+}

@@ -1,0 +1,209 @@
+//! Small random crowns, devices and walks for the contracts.
+
+use std::sync::Arc;
+
+use spinney::gpu::{
+    Card, Command, Device, DeviceDescriptor, Link, Load, RenderPass, TargetDescriptor, TargetId,
+};
+use spinney::math::{Mat4, Stream, Vec3, Vec4};
+use spinney::models::{
+    Crown, Environment, Extraction, Gather, Kind, ModelOptions, Placement, Resident, State, View,
+};
+use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype, Texture};
+use spinney::raster::{Counters, Image, Options, Samples, TileSize};
+use spinney::simplify::{Collapse, CollapseSequence};
+
+/// A crown of `leaves` random quads in two groups with a random history of collapses that leaves
+/// about `roots` of them.
+pub(crate) fn random_crown(seed: u64, leaves: u32, roots: u32) -> Arc<Crown> {
+    let mut draws = Stream::new(seed, 1).draws();
+    let split = leaves / 2;
+    let group = |count: u32, color: [f32; 4], draws: &mut spinney::math::Draws| {
+        let mut positions = Vec::new();
+        for _ in 0..count {
+            let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
+            let (center, side, up) = (vector(), 0.3 * vector(), 0.3 * vector());
+            positions.extend([
+                center - side,
+                center + side,
+                center + side + up,
+                center - side + up,
+            ]);
+        }
+        LeafGroup {
+            name: "leaves".to_owned(),
+            prototype: Prototype::Quad {
+                texture_corners: Prototype::WHOLE_IMAGE,
+            },
+            material: Material {
+                name: "leaf".to_owned(),
+                base_color: color,
+                texture: Some(disc_texture()),
+                alpha_cutoff: 0.5,
+            },
+            positions,
+            owners: vec![NO_BRANCH; count as usize],
+        }
+    };
+    let groups = vec![
+        group(split, [0.2, 0.8, 0.1, 1.0], &mut draws),
+        group(leaves - split, [0.9, 0.5, 0.1, 1.0], &mut draws),
+    ];
+    let plant = Plant::new("random", None, None, Foliage { groups }).expect("sound parts");
+    let sequence = random_sequence(seed, leaves, split, roots);
+    Arc::new(Crown::new(Arc::new(plant), sequence))
+}
+
+/// Random collapses of leaves of the same group, each new leaf with random corners of the two.
+pub(crate) fn random_sequence(seed: u64, leaves: u32, split: u32, roots: u32) -> CollapseSequence {
+    let mut draws = Stream::new(seed, 2).draws();
+    let mut corners: Vec<[u32; 4]> = (0..leaves)
+        .map(|leaf| [0, 1, 2, 3].map(|role| 4 * leaf + role))
+        .collect();
+    let mut visible = [(0..split).collect::<Vec<u32>>(), (split..leaves).collect()];
+    let mut collapses = Vec::new();
+    while visible.iter().map(Vec::len).sum::<usize>() > roots as usize {
+        let side = usize::from(draws.below(2) == 1);
+        let side = if visible[side].len() > 1 {
+            side
+        } else {
+            1 - side
+        };
+        let list = &mut visible[side];
+        if list.len() < 2 {
+            break;
+        }
+        let mut take = || list.swap_remove(draws.below(list.len() as u64) as usize);
+        let old = [take(), take()];
+        let choice = 1 + draws.below(14);
+        let pair = old.map(|leaf| corners[leaf as usize]);
+        let new = [0, 1, 2, 3].map(|role| pair[(choice >> role & 1) as usize][role]);
+        list.push(corners.len() as u32);
+        corners.push(new);
+        collapses.push(Collapse { old, cost: 0.0 });
+    }
+    CollapseSequence::new(leaves, corners, collapses).expect("a sound history")
+}
+
+/// A disc on 8 × 8 texels.
+fn disc_texture() -> Texture {
+    let texel = |index: i32| {
+        let (x, y) = (2 * (index % 8) - 7, 2 * (index / 8) - 7);
+        [255, 255, 255, if x * x + y * y < 60 { 255 } else { 0 }]
+    };
+    Texture::new(8, 8, (0..64).flat_map(texel).collect()).expect("64 texels")
+}
+
+/// A random state; `choice` decides kind and detail.
+pub(crate) fn random_state(crown: &Crown, choice: u64) -> State {
+    let mut draws = Stream::new(choice, 3).draws();
+    if draws.below(2) == 0 {
+        let all = u64::from(crown.sequence().collapse_count());
+        State::Uniform {
+            collapses: draws.below(all + 1) as u32,
+        }
+    } else {
+        let counts = crown.clusters().clusters.iter();
+        let counts = counts
+            .map(|c| draws.below(u64::from(c.original_count())) as u32)
+            .collect();
+        State::Variable { counts }
+    }
+}
+
+/// A device with one instance of a model.
+pub(crate) struct Stage {
+    pub(crate) device: Device,
+    pub(crate) target: TargetId,
+    pub(crate) resident: Box<dyn Resident>,
+}
+
+pub(crate) fn descriptor() -> DeviceDescriptor {
+    DeviceDescriptor {
+        memory_bytes: 1 << 30,
+        link: Link::named("pcie1x16").expect("a known link"),
+        card: Card::named("geforce6800").expect("a known card"),
+        raster: Options {
+            tile: TileSize::Side32,
+            counters: Counters::Visible,
+        },
+    }
+}
+
+pub(crate) const OPTIONS: ModelOptions = ModelOptions {
+    extraction: Extraction::Batched,
+    gather: Gather::Single,
+};
+
+impl Stage {
+    /// A fresh device with an instance in `state`; reads are tracked and writes recorded.
+    pub(crate) fn at(
+        kind: Kind,
+        options: &ModelOptions,
+        crown: &Arc<Crown>,
+        state: &State,
+        side: u32,
+    ) -> Self {
+        let mut device = Device::new(descriptor());
+        device.record();
+        let environment = Environment::new(&mut device, 1).expect("memory suffices");
+        let view = View {
+            clip_from_world: Mat4::from_scale(Vec3::new(0.7, 0.7, 0.3))
+                * Mat4::from_translation(Vec3::new(0.0, 0.0, 1.6)),
+            to_light: Vec3::new(0.6, 0.8, 0.0),
+            light: Vec3::splat(0.8),
+            ambient: Vec3::splat(0.3),
+        };
+        environment
+            .set_view(&mut device.queue(), &view)
+            .expect("room for a view");
+        environment
+            .place(&mut device.queue(), 0, &Placement::IDENTITY)
+            .expect("room for one");
+        let model = kind.model(crown, options);
+        let shared = model
+            .upload(&mut device, &environment)
+            .expect("memory suffices");
+        let resident = shared
+            .instance(&mut device, state, 0)
+            .expect("memory suffices");
+        let descriptor = TargetDescriptor {
+            label: "frame",
+            width: side,
+            height: side,
+            samples: Samples::One,
+        };
+        let target = device.create_target(&descriptor).expect("memory suffices");
+        Self {
+            device,
+            target,
+            resident,
+        }
+    }
+
+    pub(crate) fn commit(&mut self, to: &State) {
+        self.resident
+            .commit(&mut self.device.queue(), to)
+            .expect("a resident's own device");
+    }
+
+    pub(crate) fn draw(&mut self) -> Image {
+        let mut steps = Vec::new();
+        self.resident.draw(&mut steps);
+        let load = Load::Clear {
+            color: Vec4::new(0.1, 0.1, 0.2, 1.0),
+            depth: 1.0,
+        };
+        let pass = RenderPass {
+            label: "test".to_owned(),
+            target: self.target,
+            load,
+            steps,
+        };
+        self.device
+            .queue()
+            .submit(&[Command::Render(pass)])
+            .expect("a sound pass");
+        self.device.present(self.target).expect("the target exists")
+    }
+}
