@@ -6,6 +6,8 @@ pub mod gpu;
 pub mod math;
 pub mod plant;
 pub mod raster;
+pub mod report;
+pub mod scene;
 pub mod simplify;
 
 #[doc = include_str!("references.md")]

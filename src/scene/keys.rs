@@ -1,0 +1,368 @@
+//! The keys of a scene file: one table that reading, defaults, messages and help are made from.
+
+use super::{DetailKind, Extraction, Gather, ImageSize, Mode, ModelName};
+
+/// One key of a scene file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Key {
+    /// The tables that lead to it, and its name: `camera.path[].eye`; `[]` stands for each of
+    /// several tables.
+    pub path: &'static str,
+    /// Which values it takes.
+    pub kind: Kind,
+    /// The unit of the values, or their space; empty where they have none.
+    pub unit: &'static str,
+    /// What holds where the key is absent.
+    pub absent: Absent,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// Which values a key takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// A table with keys of its own.
+    Table,
+    /// One to so many tables with keys of their own.
+    Tables {
+        /// The most tables.
+        most: usize,
+    },
+    /// A text of 1 to 400 characters, none of them a control character.
+    Text,
+    /// A text of letters, digits, `.`, `_` and `-`, at most 64, that begins with none of these
+    /// three.
+    Name,
+    /// A path relative to the scene file, with `/` between its parts.
+    Path,
+    /// One of these texts.
+    Choice(&'static [&'static str]),
+    /// A list of texts.
+    Texts,
+    /// One of these integers.
+    OneOf(&'static [u64]),
+    /// An integer.
+    Integer {
+        /// The least value.
+        min: u64,
+        /// The greatest value.
+        max: u64,
+    },
+    /// Ascending integers, at least one and at most so many.
+    Ascending {
+        /// The greatest value.
+        max: u64,
+        /// The most values.
+        most: usize,
+    },
+    /// Width and height, at most so much a side.
+    Size {
+        /// The largest side.
+        side: u32,
+    },
+    /// A finite number.
+    Number {
+        /// The least value.
+        min: f32,
+        /// The greatest value.
+        max: f32,
+    },
+    /// Three finite numbers.
+    Triple {
+        /// The least value of each.
+        min: f32,
+        /// The greatest value of each.
+        max: f32,
+    },
+    /// A colour `"#rrggbb"`.
+    Color,
+    /// A whole number of bytes with a unit.
+    Bytes,
+    /// 64 hexadecimal digits.
+    Digest,
+}
+
+impl Kind {
+    /// What would be right, as words that continue "wanted …".
+    #[must_use]
+    pub fn wanted(&self) -> String {
+        match *self {
+            Self::Table => "a table".to_owned(),
+            Self::Tables { most } => format!("1 to {most} tables"),
+            Self::Text => "a text of 1 to 400 characters".to_owned(),
+            Self::Name => {
+                "a text of 1 to 64 letters, digits, `.`, `_`, `-` that begins with a letter or digit"
+                    .to_owned()
+            }
+            Self::Path => {
+                "a path relative to the scene file, with `/` between its parts".to_owned()
+            }
+            Self::Choice(names) => {
+                let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+                alternatives(&names)
+            }
+            Self::Texts => "a list of texts".to_owned(),
+            Self::OneOf(values) => {
+                let values: Vec<String> = values.iter().map(u64::to_string).collect();
+                alternatives(&values)
+            }
+            Self::Integer { min, max } => format!("an integer from {min} to {max}"),
+            Self::Ascending { max, most } => {
+                format!("1 to {most} ascending integers from 0 to {max}")
+            }
+            Self::Size { side } if side == ImageSize::MAX_SIDE => format!(
+                "[width, height] from 1 to {side}, at most {} pixels",
+                ImageSize::MAX_PIXELS
+            ),
+            Self::Size { side } => format!("[width, height] from 1 to {side}"),
+            Self::Number { min, max } => format!("a number from {min} to {max}"),
+            Self::Triple { min, max } => format!("three numbers from {min} to {max}"),
+            Self::Color => "a colour \"#rrggbb\"".to_owned(),
+            Self::Bytes => "a size such as \"256 MiB\", in B, KiB, MiB or GiB".to_owned(),
+            Self::Digest => "64 hexadecimal digits".to_owned(),
+        }
+    }
+}
+
+/// `a`, `a or b`, `a, b or c`.
+fn alternatives(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} or {last}", first.join(", ")),
+    }
+}
+
+/// What holds where a key is absent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Absent {
+    /// The key must be there.
+    Required,
+    /// This value, written as in a file.
+    Value(&'static str),
+    /// What these words say.
+    Rule(&'static str),
+}
+
+impl Absent {
+    fn shown(&self) -> String {
+        match *self {
+            Self::Required => "required".to_owned(),
+            Self::Value(value) => format!("default {value}"),
+            Self::Rule(rule) => format!("default: {rule}"),
+        }
+    }
+}
+
+const FRAME_MAX: u64 = 100_000;
+const METRES: f32 = 100_000.0;
+
+/// Every key of a scene file, in the order of help and of [`to_toml`](super::to_toml).
+#[rustfmt::skip]
+pub const KEYS: &[Key] = &[
+    key("schema", Kind::Choice(&[super::SCHEMA]), "", Absent::Required,
+        "The kind and version of the file."),
+    key("name", Kind::Name, "", Absent::Rule("the file's name without its ending"),
+        "The name in reports and of the output folder."),
+    key("size", Kind::Size { side: ImageSize::MAX_SIDE }, "pixels", Absent::Value("[640, 480]"),
+        "Width and height of a frame."),
+    key("samples", Kind::OneOf(&[1, 4]), "samples a pixel", Absent::Value("1"),
+        "How often each pixel is sampled."),
+    key("frames", Kind::Integer { min: 1, max: FRAME_MAX }, "frames", Absent::Value("1"),
+        "How many frames are rendered, from frame 0."),
+    key("seed", Kind::Integer { min: 0, max: u64::MAX }, "", Absent::Value("1"),
+        "Where all random numbers come from."),
+    key("background", Kind::Color, "sRGB", Absent::Value("\"#c8d8e8\""),
+        "The colour behind everything."),
+
+    key("tree", Kind::Tables { most: 10_000 }, "", Absent::Required,
+        "The trees, a [[tree]] each; each has either `species` or `file`."),
+    key("tree[].species", Kind::Path, "", Absent::Rule("none: then `file`"),
+        "The species file that the tree grows from."),
+    key("tree[].file", Kind::Path, "", Absent::Rule("none: then `species`"),
+        "The glTF file that holds the tree."),
+    key("tree[].foliage", Kind::Texts, "", Absent::Rule("the importer decides"),
+        "With `file`: the names of meshes or materials that are foliage."),
+    key("tree[].seed", Kind::Integer { min: 0, max: u64::MAX }, "", Absent::Rule("the scene's"),
+        "The seed that the tree grows from."),
+    key("tree[].at", Kind::Triple { min: -METRES, max: METRES }, "m, world", Absent::Value("[0, 0, 0]"),
+        "Where the base of the trunk stands."),
+    key("tree[].turn", Kind::Number { min: -360.0, max: 360.0 }, "degrees about +Y", Absent::Value("0"),
+        "How far it is turned, counter-clockwise seen from above."),
+    key("tree[].scale", Kind::Number { min: 0.001, max: 1000.0 }, "", Absent::Value("1"),
+        "The factor on its size."),
+    key("tree[].plant_digest", Kind::Digest, "", Absent::Rule("any plant will do"),
+        "The digest that the plant must have; a run writes it to scene.resolved.toml."),
+
+    key("camera", Kind::Table, "", Absent::Required,
+        "Where from and how the trees are seen."),
+    key("camera.projection", Kind::Choice(&["perspective", "orthographic"]), "", Absent::Value("\"perspective\""),
+        "Whether what is far is small."),
+    key("camera.vertical_field_of_view", Kind::Number { min: 0.1, max: 170.0 }, "degrees", Absent::Value("45"),
+        "With perspective: the angle between the image's upper and lower edge."),
+    key("camera.height", Kind::Number { min: 0.001, max: METRES }, "m", Absent::Rule("required with orthographic"),
+        "With orthographic: what fits between the image's upper and lower edge."),
+    key("camera.near", Kind::Number { min: 0.001, max: METRES }, "m", Absent::Value("0.1"),
+        "Nothing nearer is drawn."),
+    key("camera.far", Kind::Number { min: 0.001, max: 1_000_000.0 }, "m", Absent::Value("1000"),
+        "Nothing farther is drawn; more than `near`."),
+    key("camera.path", Kind::Tables { most: 10_000 }, "", Absent::Required,
+        "Keys { frame, eye, target } with ascending frames, at least one; linear between them."),
+    key("camera.path[].frame", Kind::Integer { min: 0, max: FRAME_MAX }, "frame", Absent::Value("0"),
+        "The frame at which the camera is there."),
+    key("camera.path[].eye", Kind::Triple { min: -METRES, max: METRES }, "m, world", Absent::Required,
+        "Where the camera stands."),
+    key("camera.path[].target", Kind::Triple { min: -METRES, max: METRES }, "m, world", Absent::Required,
+        "What it looks at; another point than `eye`."),
+
+    key("light", Kind::Table, "", Absent::Value("{}"),
+        "What lights the trees."),
+    key("light.direction", Kind::Triple { min: -METRES, max: METRES }, "world", Absent::Value("[0.4, 1, 0.6]"),
+        "From the scene towards the light, of any length but 0."),
+    key("light.color", Kind::Triple { min: 0.0, max: 100.0 }, "linear RGB", Absent::Value("[0.85, 0.82, 0.75]"),
+        "The direct light."),
+    key("light.ambient", Kind::Triple { min: 0.0, max: 100.0 }, "linear RGB", Absent::Value("[0.25, 0.28, 0.32]"),
+        "The light from everywhere."),
+
+    key("model", Kind::Table, "", Absent::Value("{}"),
+        "The level-of-detail system and its options."),
+    key("model.name", Kind::Choice(ModelName::NAMES), "", Absent::Value("\"lodf\""),
+        "The level-of-detail system."),
+    key("model.mode", Kind::Choice(Mode::NAMES), "", Absent::Value("\"cluster\""),
+        "What is resident on the device, and so what a change of detail sends."),
+    key("model.detail", Kind::Choice(DetailKind::NAMES), "", Absent::Value("\"uniform\""),
+        "One level for the whole foliage, or one for each cluster."),
+    key("model.d_min", Kind::Number { min: 0.0, max: METRES }, "m", Absent::Value("5"),
+        "Up to this distance all leaves are drawn."),
+    key("model.d_max", Kind::Number { min: 0.0, max: METRES }, "m", Absent::Value("50"),
+        "From this distance on the fewest leaves are drawn; more than `d_min`."),
+    key("model.extraction", Kind::Choice(Extraction::NAMES), "", Absent::Value("\"batched\""),
+        "One collapse or split after another, or all between two levels at once."),
+    key("model.gather", Kind::Choice(Gather::NAMES), "", Absent::Value("\"single\""),
+        "Scattered slots as single writes, or as one write of many regions."),
+    key("model.stop_leaves", Kind::Integer { min: 1, max: 16_000_000 }, "leaves", Absent::Rule("the species'"),
+        "Simplification stops at so many leaves."),
+    key("model.level", Kind::Number { min: 0.0, max: 1.0 }, "", Absent::Rule("by distance"),
+        "A fixed level in place of distance: 0 all leaves, 1 the fewest."),
+
+    key("device", Kind::Table, "", Absent::Value("{}"),
+        "The simulated device."),
+    key("device.memory", Kind::Bytes, "bytes", Absent::Value("\"256 MiB\""),
+        "What fits on the device."),
+    key("device.link", Kind::Text, "", Absent::Value("\"pcie1x16\""),
+        "The bus between host and device."),
+    key("device.card", Kind::Text, "", Absent::Value("\"geforce6800\""),
+        "The profile that models GPU time."),
+
+    key("golden", Kind::Table, "", Absent::Rule("nothing is compared"),
+        "What `spinney golden` compares with a stored reference."),
+    key("golden.size", Kind::Size { side: 160 }, "pixels", Absent::Value("[160, 120]"),
+        "Width and height of the reference images."),
+    key("golden.frames", Kind::Ascending { max: FRAME_MAX - 1, most: 64 }, "frames", Absent::Value("[0]"),
+        "The frames that are compared, each below the scene's `frames`."),
+    key("golden.tolerance", Kind::Integer { min: 0, max: 255 }, "of 255 a channel", Absent::Value("0"),
+        "The largest difference that passes."),
+    key("golden.reason", Kind::Text, "", Absent::Rule("required with a tolerance above 0"),
+        "Why the tolerance is right."),
+];
+
+const fn key(
+    path: &'static str,
+    kind: Kind,
+    unit: &'static str,
+    absent: Absent,
+    meaning: &'static str,
+) -> Key {
+    Key {
+        path,
+        kind,
+        unit,
+        absent,
+        meaning,
+    }
+}
+
+/// The keys as plain text, for `spinney help scene`.
+#[must_use]
+pub fn key_help() -> String {
+    let mut help = String::new();
+    for key in KEYS {
+        let unit = match key.unit {
+            "" => String::new(),
+            unit => format!(" ({unit})"),
+        };
+        help += &format!(
+            "{}\n    {}\n    {}{unit}; {}\n",
+            key.path,
+            key.meaning,
+            key.kind.wanted(),
+            key.absent.shown()
+        );
+    }
+    help
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The keys as a table in Markdown: what `keys.md` must hold.
+    fn key_table() -> String {
+        let mut table =
+            "| key | values | unit | if absent | meaning |\n|---|---|---|---|---|\n".to_owned();
+        for key in KEYS {
+            let absent = match key.absent {
+                Absent::Required => "required".to_owned(),
+                Absent::Value(value) => format!("`{value}`"),
+                Absent::Rule(rule) => rule.to_owned(),
+            };
+            table += &format!(
+                "| `{}` | {} | {} | {absent} | {} |\n",
+                key.path,
+                // Brackets would read as links.
+                key.kind.wanted().replace('[', "\\[").replace(']', "\\]"),
+                key.unit,
+                key.meaning.replace('[', "\\[").replace(']', "\\]"),
+            );
+        }
+        table
+    }
+
+    #[test]
+    fn documentation_tells_what_the_table_says() {
+        // To renew: write the left side to keys.md.
+        assert_eq!(key_table(), include_str!("keys.md"));
+    }
+
+    #[test]
+    fn every_key_stands_below_its_table_and_only_once() {
+        for (index, key) in KEYS.iter().enumerate() {
+            let before = &KEYS[..index];
+            assert!(
+                before.iter().all(|other| other.path != key.path),
+                "{}",
+                key.path
+            );
+            if let Some((table, _)) = key.path.rsplit_once('.') {
+                let table = table.trim_end_matches("[]");
+                assert!(
+                    before.iter().any(|other| other.path == table),
+                    "{}",
+                    key.path
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn help_names_every_key_with_unit_and_default() {
+        let help = key_help();
+        assert!(help.contains(
+            "camera.near\n    Nothing nearer is drawn.\n    a number from 0.001 to 100000 (m); default 0.1\n"
+        ));
+        assert!(
+            help.lines().all(|line| line.chars().count() <= 140),
+            "{help}"
+        );
+    }
+}

@@ -1,0 +1,168 @@
+//! Which level-of-detail system is asked for, and with which options.
+
+/// An enum whose values have names in scene files; the names also make the table of keys.
+macro_rules! choices {
+    ($(#[$doc:meta])* $name:ident { $($(#[$value_doc:meta])* $value:ident = $text:literal,)+ }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum $name {
+            $($(#[$value_doc])* $value,)+
+        }
+
+        impl $name {
+            /// All values.
+            pub const ALL: &'static [Self] = &[$(Self::$value),+];
+
+            /// Their names in scene files, in the same order.
+            pub const NAMES: &'static [&'static str] = &[$($text),+];
+
+            /// The name in scene files.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$value => $text,)+
+                }
+            }
+
+            /// The value of that name.
+            #[must_use]
+            pub fn from_name(name: &str) -> Option<Self> {
+                match name {
+                    $($text => Some(Self::$value),)+
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+choices! {
+    /// The level-of-detail systems.
+    ModelName {
+        /// Level of Detail Foliage ([RCRG06, RRCGR](crate::references)).
+        Lodf = "lodf",
+        /// No level of detail: the yardstick.
+        Full = "full",
+        /// View-dependent foliage ([RC03](crate::references)).
+        Vdf = "vdf",
+    }
+}
+
+choices! {
+    /// What is resident on the device, and so what a change of detail sends.
+    Mode {
+        /// Nothing is resident: each draw fetches from host memory.
+        Host = "host",
+        /// Vertices and a block of leaf records a cluster: a changed cluster is sent whole.
+        Cluster = "cluster",
+        /// The same blocks: only the slots that differ are sent.
+        Slots = "slots",
+        /// Every leaf record once, with birth and death stamps: a counter is sent.
+        Stamps = "stamps",
+        /// The papers' static list as printed, which does not work; a demonstration.
+        Literal = "literal",
+    }
+}
+
+choices! {
+    /// How detail is spread over a plant.
+    DetailKind {
+        /// One level for the whole foliage.
+        Uniform = "uniform",
+        /// A level for each cluster, by its own distance.
+        Variable = "variable",
+    }
+}
+
+choices! {
+    /// How the leaves of a level are extracted.
+    Extraction {
+        /// One collapse or split after another.
+        Single = "single",
+        /// All steps between two levels at once.
+        Batched = "batched",
+    }
+}
+
+choices! {
+    /// How scattered slots are sent.
+    Gather {
+        /// Each as a write of its own.
+        Single = "single",
+        /// All in one write of many regions.
+        Regions = "regions",
+    }
+}
+
+/// The system that renders the trees, with all its options.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModelChoice {
+    /// Which system.
+    pub name: ModelName,
+    /// What is resident; whether the system has that mode is for the system to say.
+    pub mode: Mode,
+    /// How detail is spread.
+    pub detail: DetailKind,
+    /// Between which distances detail falls from all to least.
+    pub range: DetailRange,
+    /// How leaves are extracted.
+    pub extraction: Extraction,
+    /// How scattered slots are sent.
+    pub gather: Gather,
+    /// The leaf count at which simplification stops, in place of the species'.
+    pub stop_leaves: Option<u32>,
+    /// A fixed level from 0 (all leaves) to 1 (fewest), in place of distance.
+    pub level: Option<f32>,
+}
+
+/// The distances between which detail falls, in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DetailRange {
+    d_min: f32,
+    d_max: f32,
+}
+
+impl DetailRange {
+    /// Full detail up to `d_min`, least detail from `d_max` on; `None` unless both are finite and
+    /// `0 ≤ d_min < d_max`.
+    #[must_use]
+    pub fn new(d_min: f32, d_max: f32) -> Option<Self> {
+        let fits = d_min >= 0.0 && d_min < d_max && d_max.is_finite();
+        fits.then_some(Self { d_min, d_max })
+    }
+
+    /// Up to here all leaves are drawn, in metres.
+    #[must_use]
+    pub fn d_min(self) -> f32 {
+        self.d_min
+    }
+
+    /// From here on the fewest leaves are drawn, in metres.
+    #[must_use]
+    pub fn d_max(self) -> f32 {
+        self.d_max
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_values_are_the_same_list() {
+        for (&mode, &name) in Mode::ALL.iter().zip(Mode::NAMES) {
+            assert_eq!(mode.name(), name);
+            assert_eq!(Mode::from_name(name), Some(mode));
+        }
+        assert_eq!(Mode::from_name("Host"), None);
+    }
+
+    #[test]
+    fn ranges_have_an_inside() {
+        assert!(DetailRange::new(0.0, 1.0).is_some());
+        assert!(DetailRange::new(1.0, 1.0).is_none());
+        assert!(DetailRange::new(-1.0, 1.0).is_none());
+        assert!(DetailRange::new(f32::NAN, 1.0).is_none());
+        assert!(DetailRange::new(0.0, f32::INFINITY).is_none());
+    }
+}

@@ -1,0 +1,296 @@
+//! From tables to a [`Scene`]: what no single key can say.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use toml::de::{DeTable, DeValue};
+
+use crate::document::{Document, DocumentError};
+
+use super::reader::{Reader, parse_tables};
+use super::value::is_name;
+use super::{
+    Camera, CameraKey, DetailKind, DetailRange, DeviceChoice, Extraction, Gather, Golden, Light,
+    Mode, ModelChoice, ModelName, PlantSource, Projection, SampleCount, Scene, SceneError, Tree,
+};
+
+/// A scene with the file it came from.
+#[derive(Debug, Clone)]
+pub struct SceneFile {
+    /// What the file says.
+    pub scene: Scene,
+    /// Where it says it.
+    pub source: SceneSource,
+}
+
+impl SceneFile {
+    /// Reads a scene file.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::read`].
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        Self::parse(Document::read(path)?)
+    }
+
+    /// The scene that a document says.
+    ///
+    /// # Errors
+    ///
+    /// When it says something wrong: at which line and column, what was found and what would be
+    /// right.
+    pub fn parse(document: Document) -> Result<Self, SceneError> {
+        let root = parse_tables(&document)?;
+        let scene = scene(&Reader::new(&document, &root)?, &document.file)?;
+        let mut offsets = BTreeMap::new();
+        collect_offsets("", root.get_ref(), &mut offsets);
+        drop(root);
+        let source = SceneSource { document, offsets };
+        Ok(Self { scene, source })
+    }
+}
+
+/// Where a scene file says what: for checks that only a later stage can make.
+#[derive(Debug, Clone)]
+pub struct SceneSource {
+    document: Document,
+    offsets: BTreeMap<String, usize>,
+}
+
+impl SceneSource {
+    /// An error at a key such as `device.link` or `tree[1].species`; where the file lacks the key,
+    /// at the nearest table around it, or at the beginning.
+    #[must_use]
+    pub fn error(&self, key: &str, message: impl Into<String>) -> DocumentError {
+        let mut path = key;
+        let offset = loop {
+            if let Some(offset) = self.offsets.get(path) {
+                break *offset;
+            }
+            match path.rfind(['.', '[']) {
+                Some(end) => path = &path[..end],
+                None => break 0,
+            }
+        };
+        self.document.error(offset, message)
+    }
+
+    /// A path of the scene as one that can be opened: relative to the scene file's folder.
+    #[must_use]
+    pub fn resolve(&self, path: &str) -> PathBuf {
+        let file = Path::new(&self.document.file);
+        file.parent().unwrap_or(Path::new("")).join(path)
+    }
+}
+
+/// Where each value starts, by its path: `tree[1].at`. Nesting is bounded by the parser.
+fn collect_offsets(prefix: &str, table: &DeTable<'_>, offsets: &mut BTreeMap<String, usize>) {
+    for (key, value) in table {
+        let path = match prefix {
+            "" => key.get_ref().to_string(),
+            _ => format!("{prefix}.{}", key.get_ref()),
+        };
+        match value.get_ref() {
+            DeValue::Table(below) => collect_offsets(&path, below, offsets),
+            DeValue::Array(entries) => {
+                for (index, entry) in entries.iter().enumerate() {
+                    let path = format!("{path}[{index}]");
+                    if let DeValue::Table(below) = entry.get_ref() {
+                        collect_offsets(&path, below, offsets);
+                    }
+                    offsets.insert(path, entry.span().start);
+                }
+            }
+            _ => {}
+        }
+        offsets.insert(path, value.span().start);
+    }
+}
+
+fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
+    // First of all: another schema may know other keys.
+    root.have::<String>("schema")?;
+    let seed = root.have("seed")?;
+    let frames = small(root.have("frames")?);
+    let trees = root.tables("tree")?;
+    let below = |name| -> Result<Reader<'_>, SceneError> {
+        Ok(root.table(name)?.expect("required, or empty by default"))
+    };
+    let samples = small(root.have("samples")?);
+    Ok(Scene {
+        name: root.get("name")?.unwrap_or_else(|| name_of(file)),
+        size: root.have("size")?,
+        samples: SampleCount::new(samples).expect("the table of keys allows 1 and 4"),
+        frames,
+        seed,
+        background: root.have("background")?,
+        trees: trees
+            .iter()
+            .map(|table| tree(table, seed))
+            .collect::<Result<_, _>>()?,
+        camera: camera(&below("camera")?)?,
+        light: light(&below("light")?)?,
+        model: model(&below("model")?)?,
+        device: device(&below("device")?)?,
+        golden: match root.table("golden")? {
+            Some(table) => Some(golden(&table, frames)?),
+            None => None,
+        },
+    })
+}
+
+/// The file's name without its ending; what a name cannot hold becomes `-`.
+fn name_of(file: &str) -> String {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    let name: String = stem
+        .to_string_lossy()
+        .chars()
+        .map(|c| match c {
+            '.' | '_' => c,
+            _ if c.is_ascii_alphanumeric() => c,
+            _ => '-',
+        })
+        .take(64)
+        .collect();
+    if is_name(&name) {
+        name
+    } else {
+        "scene".to_owned()
+    }
+}
+
+fn tree(table: &Reader<'_>, scene_seed: u64) -> Result<Tree, SceneError> {
+    let source = match (table.get("species")?, table.get("file")?) {
+        (Some(species), None) => PlantSource::Species(species),
+        (None, Some(path)) => PlantSource::File {
+            path,
+            foliage: table.get("foliage")?.unwrap_or_default(),
+        },
+        (Some(_), Some(_)) => {
+            return Err(table.refuse("file", "nothing, since the tree has `species`"));
+        }
+        (None, None) => return Err(table.refuse("species", "either `species` or `file`")),
+    };
+    if matches!(source, PlantSource::Species(_)) && table.has("foliage") {
+        return Err(table.refuse("foliage", "nothing, since the tree has `species`"));
+    }
+    Ok(Tree {
+        source,
+        seed: table.get("seed")?.unwrap_or(scene_seed),
+        at: table.have("at")?,
+        turn: table.have("turn")?,
+        scale: table.have("scale")?,
+        plant_digest: table.get("plant_digest")?,
+    })
+}
+
+fn camera(table: &Reader<'_>) -> Result<Camera, SceneError> {
+    let orthographic = table.have::<String>("projection")? == "orthographic";
+    let angle = table.have("vertical_field_of_view")?;
+    let projection = match (orthographic, table.get("height")?) {
+        (true, _) if table.has("vertical_field_of_view") => {
+            let wanted = "nothing, since `projection` is orthographic";
+            return Err(table.refuse("vertical_field_of_view", wanted));
+        }
+        (true, Some(height)) => Projection::Orthographic { height },
+        (true, None) => {
+            let wanted = "a height in metres, since `projection` is orthographic";
+            return Err(table.refuse("height", wanted));
+        }
+        (false, None) => Projection::Perspective {
+            vertical_field_of_view: angle,
+        },
+        (false, Some(_)) => {
+            return Err(table.refuse("height", "nothing, since `projection` is perspective"));
+        }
+    };
+    let (near, far) = (table.have("near")?, table.have("far")?);
+    if near >= far {
+        return Err(table.refuse("far", &format!("more than `near`, which is {near}")));
+    }
+    let mut path: Vec<CameraKey> = Vec::new();
+    for entry in table.tables("path")? {
+        let key = CameraKey {
+            frame: small(entry.have("frame")?),
+            eye: entry.have("eye")?,
+            target: entry.have("target")?,
+        };
+        if let Some(before) = path.last().filter(|before| before.frame >= key.frame) {
+            let wanted = format!("more than {}, the frame of the key before it", before.frame);
+            return Err(entry.refuse("frame", &wanted));
+        }
+        if (key.target - key.eye).try_normalize().is_none() {
+            return Err(entry.refuse("target", "another point than `eye`"));
+        }
+        path.push(key);
+    }
+    Camera::new(projection, near, far, path)
+}
+
+fn light(table: &Reader<'_>) -> Result<Light, SceneError> {
+    let light = Light {
+        direction: table.have("direction")?,
+        color: table.have("color")?,
+        ambient: table.have("ambient")?,
+    };
+    if light.direction.try_normalize().is_none() {
+        return Err(table.refuse("direction", "a direction, which has a length"));
+    }
+    Ok(light)
+}
+
+fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
+    /// The table of keys holds the same names as the type.
+    const NAMED: &str = "the table of keys allows these names only";
+    let name = |key| table.have::<String>(key);
+    let (d_min, d_max) = (table.have("d_min")?, table.have("d_max")?);
+    let Some(range) = DetailRange::new(d_min, d_max) else {
+        return Err(table.refuse("d_max", &format!("more than `d_min`, which is {d_min}")));
+    };
+    Ok(ModelChoice {
+        name: ModelName::from_name(&name("name")?).expect(NAMED),
+        mode: Mode::from_name(&name("mode")?).expect(NAMED),
+        detail: DetailKind::from_name(&name("detail")?).expect(NAMED),
+        range,
+        extraction: Extraction::from_name(&name("extraction")?).expect(NAMED),
+        gather: Gather::from_name(&name("gather")?).expect(NAMED),
+        stop_leaves: table.get("stop_leaves")?.map(small),
+        level: table.get("level")?,
+    })
+}
+
+fn device(table: &Reader<'_>) -> Result<DeviceChoice, SceneError> {
+    Ok(DeviceChoice {
+        memory: table.have("memory")?,
+        link: table.have("link")?,
+        card: table.have("card")?,
+    })
+}
+
+fn golden(table: &Reader<'_>, frames: u32) -> Result<Golden, SceneError> {
+    let golden = Golden {
+        size: table.have("size")?,
+        frames: table
+            .have::<Vec<u64>>("frames")?
+            .into_iter()
+            .map(small)
+            .collect(),
+        tolerance: u8::try_from(table.have::<u64>("tolerance")?)
+            .expect("the table of keys allows 0 to 255"),
+        reason: table.get("reason")?,
+    };
+    if golden.frames.iter().any(|frame| *frame >= frames) {
+        let wanted = format!("frames below {frames}, the scene's count");
+        return Err(table.refuse("frames", &wanted));
+    }
+    match (golden.tolerance, &golden.reason) {
+        (0, Some(_)) => Err(table.refuse("reason", "nothing, since `tolerance` is 0")),
+        (1.., None) => Err(table.refuse("reason", "a reason, since `tolerance` is above 0")),
+        _ => Ok(golden),
+    }
+}
+
+/// An integer whose key has a bound far below 2³².
+fn small(value: u64) -> u32 {
+    u32::try_from(value).expect("the table of keys bounds it below 2^32")
+}

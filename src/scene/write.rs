@@ -1,0 +1,267 @@
+//! Scenes as text, with every default filled in, and as digest.
+
+use crate::math::{Digest, Digester, Vec3};
+
+use super::value::BYTE_UNITS;
+use super::{Camera, Golden, ModelChoice, PlantSource, Projection, SCHEMA, Scene, Tree};
+
+/// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
+///
+/// Reading it back gives an equal scene. Paths of species and trees stay as they are in the scene:
+/// relative to the folder of the file that was read first.
+#[must_use]
+pub fn to_toml(scene: &Scene) -> String {
+    let mut text = Text(String::new());
+    text.key("schema", &quoted(SCHEMA));
+    text.key("name", &quoted(&scene.name));
+    text.key(
+        "size",
+        &format!("[{}, {}]", scene.size.width(), scene.size.height()),
+    );
+    text.key("samples", &scene.samples.get().to_string());
+    text.key("frames", &scene.frames.to_string());
+    text.key("seed", &scene.seed.to_string());
+    let [red, green, blue] = scene.background;
+    text.key(
+        "background",
+        &format!("\"#{red:02x}{green:02x}{blue:02x}\""),
+    );
+    for tree in &scene.trees {
+        write_tree(&mut text, tree);
+    }
+    write_camera(&mut text, &scene.camera);
+    text.heading("[light]");
+    text.key("direction", &triple(scene.light.direction));
+    text.key("color", &triple(scene.light.color));
+    text.key("ambient", &triple(scene.light.ambient));
+    write_model(&mut text, &scene.model);
+    text.heading("[device]");
+    text.key("memory", &byte_size(scene.device.memory));
+    text.key("link", &quoted(&scene.device.link));
+    text.key("card", &quoted(&scene.device.card));
+    if let Some(golden) = &scene.golden {
+        write_golden(&mut text, golden);
+    }
+    text.0
+}
+
+impl Scene {
+    /// The digest of what is asked for; comments, layout and the order of keys do not change it.
+    ///
+    /// BLAKE3 over the domain `spinney.scene/1`, then the fields in the order in which [`Scene`]
+    /// and the types within declare them: integers up to 32 bits, counts and enums (by the order
+    /// of their values) as `u32`, larger ones as `u64`, floats as their bits, texts and lists with
+    /// their length as `u64` before them, an absent value as `0u32` and a present one after `1u32`,
+    /// all little-endian. Left out is [`Tree::plant_digest`], which is an answer, not a question.
+    #[must_use]
+    pub fn digest(&self) -> Digest {
+        let mut digester = Digester::new(SCHEMA);
+        digester
+            .text(&self.name)
+            .u32(self.size.width())
+            .u32(self.size.height())
+            .u32(self.samples.get())
+            .u32(self.frames)
+            .u64(self.seed)
+            .raw(&self.background)
+            .u64(self.trees.len() as u64);
+        for tree in &self.trees {
+            digest_tree(&mut digester, tree);
+        }
+        digest_camera(&mut digester, &self.camera);
+        digester
+            .vec3(self.light.direction)
+            .vec3(self.light.color)
+            .vec3(self.light.ambient);
+        digest_model(&mut digester, &self.model);
+        digester
+            .u64(self.device.memory)
+            .text(&self.device.link)
+            .text(&self.device.card);
+        match &self.golden {
+            None => _ = digester.u32(0),
+            Some(golden) => digest_golden(digester.u32(1), golden),
+        }
+        digester.finish()
+    }
+}
+
+/// TOML as it grows.
+struct Text(String);
+
+impl Text {
+    fn heading(&mut self, heading: &str) {
+        self.0 += "\n";
+        self.0 += heading;
+        self.0 += "\n";
+    }
+
+    fn key(&mut self, key: &str, value: &str) {
+        self.0 += &format!("{key} = {value}\n");
+    }
+}
+
+fn write_tree(text: &mut Text, tree: &Tree) {
+    text.heading("[[tree]]");
+    match &tree.source {
+        PlantSource::Species(path) => text.key("species", &quoted(path)),
+        PlantSource::File { path, foliage } => {
+            text.key("file", &quoted(path));
+            let names: Vec<String> = foliage.iter().map(|name| quoted(name)).collect();
+            text.key("foliage", &format!("[{}]", names.join(", ")));
+        }
+    }
+    text.key("seed", &tree.seed.to_string());
+    text.key("at", &triple(tree.at));
+    text.key("turn", &tree.turn.to_string());
+    text.key("scale", &tree.scale.to_string());
+    if let Some(digest) = tree.plant_digest {
+        text.key("plant_digest", &quoted(&digest.to_string()));
+    }
+}
+
+fn write_camera(text: &mut Text, camera: &Camera) {
+    text.heading("[camera]");
+    match camera.projection() {
+        Projection::Perspective {
+            vertical_field_of_view,
+        } => {
+            text.key("projection", "\"perspective\"");
+            text.key(
+                "vertical_field_of_view",
+                &vertical_field_of_view.to_string(),
+            );
+        }
+        Projection::Orthographic { height } => {
+            text.key("projection", "\"orthographic\"");
+            text.key("height", &height.to_string());
+        }
+    }
+    text.key("near", &camera.near().to_string());
+    text.key("far", &camera.far().to_string());
+    text.0 += "path = [\n";
+    for key in camera.path() {
+        text.0 += &format!(
+            "  {{ frame = {}, eye = {}, target = {} }},\n",
+            key.frame,
+            triple(key.eye),
+            triple(key.target)
+        );
+    }
+    text.0 += "]\n";
+}
+
+fn write_model(text: &mut Text, model: &ModelChoice) {
+    text.heading("[model]");
+    text.key("name", &quoted(model.name.name()));
+    text.key("mode", &quoted(model.mode.name()));
+    text.key("detail", &quoted(model.detail.name()));
+    text.key("d_min", &model.range.d_min().to_string());
+    text.key("d_max", &model.range.d_max().to_string());
+    text.key("extraction", &quoted(model.extraction.name()));
+    text.key("gather", &quoted(model.gather.name()));
+    if let Some(leaves) = model.stop_leaves {
+        text.key("stop_leaves", &leaves.to_string());
+    }
+    if let Some(level) = model.level {
+        text.key("level", &level.to_string());
+    }
+}
+
+fn write_golden(text: &mut Text, golden: &Golden) {
+    text.heading("[golden]");
+    text.key(
+        "size",
+        &format!("[{}, {}]", golden.size.width(), golden.size.height()),
+    );
+    let frames: Vec<String> = golden.frames.iter().map(u32::to_string).collect();
+    text.key("frames", &format!("[{}]", frames.join(", ")));
+    text.key("tolerance", &golden.tolerance.to_string());
+    if let Some(reason) = &golden.reason {
+        text.key("reason", &quoted(reason));
+    }
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+fn triple(value: Vec3) -> String {
+    format!("[{}, {}, {}]", value.x, value.y, value.z)
+}
+
+/// In the largest unit that divides it.
+fn byte_size(bytes: u64) -> String {
+    let (unit, factor) = BYTE_UNITS
+        .into_iter()
+        .find(|(_, factor)| bytes.is_multiple_of(*factor))
+        .expect("every number is a whole number of bytes");
+    format!("\"{} {unit}\"", bytes / factor)
+}
+
+fn digest_tree(digester: &mut Digester, tree: &Tree) {
+    match &tree.source {
+        PlantSource::Species(path) => _ = digester.u32(0).text(path),
+        PlantSource::File { path, foliage } => {
+            digester.u32(1).text(path).u64(foliage.len() as u64);
+            for name in foliage {
+                digester.text(name);
+            }
+        }
+    }
+    digester
+        .u64(tree.seed)
+        .vec3(tree.at)
+        .f32(tree.turn)
+        .f32(tree.scale);
+}
+
+fn digest_camera(digester: &mut Digester, camera: &Camera) {
+    match camera.projection() {
+        Projection::Perspective {
+            vertical_field_of_view,
+        } => _ = digester.u32(0).f32(vertical_field_of_view),
+        Projection::Orthographic { height } => _ = digester.u32(1).f32(height),
+    }
+    digester
+        .f32(camera.near())
+        .f32(camera.far())
+        .u64(camera.path().len() as u64);
+    for key in camera.path() {
+        digester.u32(key.frame).vec3(key.eye).vec3(key.target);
+    }
+}
+
+fn digest_model(digester: &mut Digester, model: &ModelChoice) {
+    digester
+        .u32(model.name as u32)
+        .u32(model.mode as u32)
+        .u32(model.detail as u32)
+        .f32(model.range.d_min())
+        .f32(model.range.d_max())
+        .u32(model.extraction as u32)
+        .u32(model.gather as u32);
+    match model.stop_leaves {
+        None => _ = digester.u32(0),
+        Some(leaves) => _ = digester.u32(1).u32(leaves),
+    }
+    match model.level {
+        None => _ = digester.u32(0),
+        Some(level) => _ = digester.u32(1).f32(level),
+    }
+}
+
+fn digest_golden(digester: &mut Digester, golden: &Golden) {
+    digester
+        .u32(golden.size.width())
+        .u32(golden.size.height())
+        .u64(golden.frames.len() as u64);
+    for frame in &golden.frames {
+        digester.u32(*frame);
+    }
+    digester.u32(golden.tolerance.into());
+    match &golden.reason {
+        None => _ = digester.u32(0),
+        Some(reason) => _ = digester.u32(1).text(reason),
+    }
+}
