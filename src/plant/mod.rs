@@ -14,13 +14,21 @@
 
 mod foliage;
 mod mesh;
+mod silhouette;
 mod skeleton;
+pub mod species;
 mod texture;
+mod tube;
+mod weber_penn;
 
 pub use foliage::{Foliage, LeafGroup, NO_BRANCH, Prototype};
 pub use mesh::{Material, Mesh};
+pub use silhouette::Silhouette;
 pub use skeleton::{Branch, Node, Skeleton};
+pub use species::Species;
 pub use texture::Texture;
+pub use tube::{Tubes, trunk_mesh};
+pub use weber_penn::{GrowError, MAX_BRANCHES, MAX_NODES, grow};
 
 use crate::math::{Aabb, Digest, Digester};
 
