@@ -1,1 +1,137 @@
-//! Reports.
+//! Reports: what people get to see and to keep.
+//!
+//! ```text
+//! frames ──▶ Picture ──PNG──┐                     ┌─▶ OutputFolder ──commit──▶ out/<scene>/
+//! layers ──▶ EXR            ├─▶ Page ──HTML───────┤
+//! ledger ──▶ Table ─────────┤   Plot ──SVG────────┤
+//!            text, CSV      └─────────────────────┘
+//! ```
+//!
+//! **Invariant.** The bytes of a report are a function of what is reported: nothing in them names
+//! a host, path, clock, thread or the order in which things were done. A folder is there whole or
+//! not at all, and nothing is replaced that spinney did not write.
+
+mod axis;
+mod folder;
+mod html;
+mod image;
+mod number;
+mod plot;
+mod table;
+
+pub use axis::{Axis, Scale};
+pub use folder::{MARKER, OutputFolder};
+pub use html::{Page, PageImage, Section};
+pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
+pub use number::{decimal, grouped};
+pub use plot::{Plot, Series};
+pub use table::{Align, Cell, Column, Table, csv_row};
+
+use std::path::{Path, PathBuf};
+
+/// Why a report could not be made or an image not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// A file or folder cannot be written.
+    #[error("cannot write {}: {cause}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        cause: std::io::Error,
+    },
+    /// The path of a folder leads through a file.
+    #[error("cannot write {}: {} is a file, wanted a folder", path.display(), file.display())]
+    NoFolder {
+        /// The folder that was asked for.
+        path: PathBuf,
+        /// The file in its way.
+        file: PathBuf,
+    },
+    /// The folder holds something that is not ours to replace.
+    #[error(
+        "cannot write {}: it holds {found}, which spinney did not write; wanted a new or empty \
+         folder, or one from an earlier run",
+        path.display()
+    )]
+    Foreign {
+        /// The folder that was asked for.
+        path: PathBuf,
+        /// What was found there, relative to it.
+        found: String,
+    },
+    /// A file of the report would lie outside of its folder.
+    #[error("{name:?} is no name for a file of a report, wanted a relative path below its folder")]
+    Name {
+        /// The name that was asked for.
+        name: String,
+    },
+    /// An image file cannot be read: a fault of the input, not of writing.
+    #[error("{}: {message}", file.display())]
+    Image {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it, and what would be right.
+        message: String,
+    },
+    /// A layer of an EXR file has a name that no channel can have, or one that another has.
+    #[error(
+        "{name:?} is no name for a layer, wanted 1 to 31 printable ASCII characters, each name once"
+    )]
+    LayerName {
+        /// The name that was asked for.
+        name: String,
+    },
+    /// An encoder refuses what it should take.
+    #[error("cannot encode {format}: {message}")]
+    Encode {
+        /// The format.
+        format: &'static str,
+        /// What the encoder says.
+        message: String,
+    },
+    /// Samples do not fill an image, or its sides are out of range.
+    #[error("{what}: {found} samples for {width} × {height} pixels, wanted {wanted}")]
+    Samples {
+        /// The image or layer.
+        what: String,
+        /// How many samples there are.
+        found: usize,
+        /// Pixels a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// What would be right.
+        wanted: String,
+    },
+    /// A report would be larger than it may.
+    #[error("{what}: {found} exceed the limit of {limit}")]
+    TooLarge {
+        /// What was counted.
+        what: &'static str,
+        /// How much there is.
+        found: usize,
+        /// How much there may be.
+        limit: usize,
+    },
+}
+
+impl ReportError {
+    /// Whether the output cannot be written, as opposed to a fault of the input.
+    #[must_use]
+    pub fn is_write(&self) -> bool {
+        matches!(
+            self,
+            Self::Write { .. } | Self::NoFolder { .. } | Self::Foreign { .. }
+        )
+    }
+
+    fn write(path: &Path, cause: std::io::Error) -> Self {
+        Self::Write {
+            path: path.to_owned(),
+            cause,
+        }
+    }
+}
