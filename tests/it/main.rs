@@ -1,4 +1,5 @@
 //! Tests of the library through its public face.
 
+mod layering;
 mod raster;
 mod scene;
