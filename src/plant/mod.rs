@@ -13,6 +13,7 @@
 //! prototype says. No stage after this one checks again.
 
 mod foliage;
+pub mod gltf;
 mod mesh;
 mod silhouette;
 mod skeleton;

@@ -1,13 +1,15 @@
 //! Small images that leaves and bark carry.
 
+use std::sync::Arc;
+
 use crate::math::{Digester, det, index_u32};
 
-/// An image: sRGB colour with straight linear alpha, 8 bits a channel, rows top-down.
+/// An image: sRGB colour with straight linear alpha, 8 bits a channel, rows top-down. Copies share their bytes.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Texture {
     width: u32,
     height: u32,
-    rgba: Vec<u8>,
+    rgba: Arc<Vec<u8>>,
 }
 
 impl Texture {
@@ -21,7 +23,7 @@ impl Texture {
         (fits && rgba.len() == 4 * width as usize * height as usize).then_some(Self {
             width,
             height,
-            rgba,
+            rgba: Arc::new(rgba),
         })
     }
 

@@ -1,0 +1,467 @@
+//! Writing a plant as a GLB that any viewer draws and that comes back as the same plant.
+
+use super::record::{
+    Envelope, GroupRecord, PrototypeKind, QUAD_CORNERS, Record, SCHEMA, SkeletonRecord, TrunkRecord,
+};
+use super::{ExportError, MAX_FILE_BYTES, container};
+use crate::math::{Aabb, Digester, Vec2, Vec3, index_u32};
+use crate::plant::{Branch, LeafGroup, Material, Mesh, Node, Plant, Prototype, Skeleton, Texture};
+use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
+use gltf_json::buffer::{Buffer, Target, View};
+use gltf_json::image::MimeType;
+use gltf_json::material::{
+    AlphaCutoff, AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor,
+};
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::{Checked, USize64};
+use gltf_json::{Index, Root, texture};
+use image::ImageEncoder as _;
+use std::collections::BTreeMap;
+
+/// The most foliage groups that are written: each takes some 20 objects of JSON.
+const MAX_GROUPS: usize = 16_384;
+
+/// A plant as a binary glTF 2.0 file; the same plant is always the same bytes.
+///
+/// Trunk and groups are nodes of their own: triangles, and needles as lines. Leaves are
+/// double-sided and alpha-masked. What glTF cannot say (skeleton, owners, prototypes) is in
+/// `extras.spinney` and in buffer views that it names; other programs ignore it.
+///
+/// # Errors
+///
+/// When the file would be larger than what can be read again.
+pub fn export_glb(plant: &Plant) -> Result<Vec<u8>, ExportError> {
+    let too_large = |bytes: u64| ExportError::TooLarge {
+        plant: plant.name().to_owned(),
+        bytes,
+        limit: MAX_FILE_BYTES,
+    };
+    let groups = &plant.foliage().groups;
+    if groups.len() > MAX_GROUPS {
+        return Err(ExportError::TooManyGroups {
+            plant: plant.name().to_owned(),
+            groups: groups.len(),
+            limit: MAX_GROUPS,
+        });
+    }
+    let expected = least_bytes(plant);
+    if expected > MAX_FILE_BYTES {
+        return Err(too_large(expected));
+    }
+    let mut writer = Writer {
+        root: Root::default(),
+        binary: Vec::new(),
+        hidden: Digester::new(SCHEMA),
+        nodes: Vec::new(),
+        textures: Vec::new(),
+    };
+    let record = Record {
+        schema: SCHEMA.to_owned(),
+        name: plant.name().to_owned(),
+        digest: plant.digest().to_string(),
+        skeleton: plant.skeleton().map(|skeleton| writer.skeleton(skeleton)),
+        trunk: plant.trunk().map(|trunk| writer.trunk(trunk)),
+        groups: groups.iter().map(|group| writer.group(group)).collect(),
+        hidden: writer.hidden.finish().to_string(),
+    };
+    let (root, binary) = writer.finish(record);
+    let json = to_json(&root);
+    let bytes = json.len() as u64 + binary.len() as u64 + 64;
+    if bytes > MAX_FILE_BYTES {
+        return Err(too_large(bytes));
+    }
+    Ok(container::join(&json, &binary))
+}
+
+/// What the geometry takes, before anything is built.
+fn least_bytes(plant: &Plant) -> u64 {
+    let trunk = plant.trunk().map_or(0, |trunk| {
+        32 * trunk.positions.len() as u64 + 4 * trunk.indices.len() as u64
+    });
+    let groups = plant.foliage().groups.iter().map(|group| {
+        let triangles = group.prototype.triangles_per_leaf() as u64;
+        20 * group.positions.len() as u64 + (12 * triangles + 4) * group.leaf_count() as u64
+    });
+    trunk + groups.sum::<u64>()
+}
+
+struct Writer<'p> {
+    root: Root,
+    binary: Vec<u8>,
+    hidden: Digester,
+    nodes: Vec<Index<gltf_json::Node>>,
+    textures: Vec<(&'p Texture, Index<texture::Texture>)>,
+}
+
+impl<'p> Writer<'p> {
+    fn skeleton(&mut self, skeleton: &Skeleton) -> SkeletonRecord {
+        let node = |node: &Node| {
+            let [x, y, z] = node.position.to_array();
+            [x, y, z, node.radius].map(f32::to_bits)
+        };
+        let branch = |branch: &Branch| {
+            let bearer = branch.bearer.unwrap_or(u32::MAX);
+            [bearer, branch.level, branch.first_node, branch.node_count]
+        };
+        SkeletonRecord {
+            nodes: self.hide(skeleton.nodes.iter().flat_map(node)),
+            branches: self.hide(skeleton.branches.iter().flat_map(branch)),
+        }
+    }
+
+    fn trunk(&mut self, trunk: &'p Mesh) -> TrunkRecord {
+        let numbers = self.hide(material_numbers(&trunk.material));
+        let has_alpha = trunk.material.alpha_cutoff > 0.0;
+        let mode = if has_alpha {
+            AlphaMode::Mask
+        } else {
+            AlphaMode::Opaque
+        };
+        let material = self.material(&trunk.material, mode);
+        let node = (!trunk.positions.is_empty()).then(|| {
+            let positions = self.positions(&trunk.positions);
+            let normals = self.attribute(
+                trunk.normals.iter().flat_map(|normal| normal.to_array()),
+                Type::Vec3,
+            );
+            let coordinates = self.coordinates(&trunk.texture_coordinates);
+            let indices = self.indices(trunk.indices.iter().copied());
+            let mode = if indices.is_some() {
+                Mode::Triangles
+            } else {
+                Mode::Points
+            };
+            let attributes = [
+                (Semantic::Positions, positions),
+                (Semantic::Normals, normals),
+                (Semantic::TexCoords(0), coordinates),
+            ];
+            self.node("trunk", primitive(attributes, indices, material, mode))
+        });
+        TrunkRecord {
+            node,
+            material: material.value(),
+            numbers,
+        }
+    }
+
+    fn group(&mut self, group: &'p LeafGroup) -> GroupRecord {
+        let (prototype, own, corners): (_, Vec<f32>, Vec<u32>) = match &group.prototype {
+            Prototype::Quad { texture_corners } => {
+                let numbers = texture_corners.iter().flat_map(|corner| corner.to_array());
+                (
+                    PrototypeKind::Quad,
+                    numbers.collect(),
+                    QUAD_CORNERS.to_vec(),
+                )
+            }
+            Prototype::Faces {
+                texture_coordinates,
+                triangles,
+            } => {
+                let numbers = texture_coordinates
+                    .iter()
+                    .flat_map(|corner| corner.to_array());
+                let corners = triangles.iter().flatten().copied().collect();
+                (PrototypeKind::Faces, numbers.collect(), corners)
+            }
+            Prototype::Needle { diameter } => (PrototypeKind::Needle, vec![*diameter], Vec::new()),
+        };
+        let numbers = material_numbers(&group.material);
+        let numbers = self.hide(numbers.into_iter().chain(own.iter().map(|n| n.to_bits())));
+        let hidden_triangles: &[u32] = match prototype {
+            PrototypeKind::Faces => &corners,
+            PrototypeKind::Quad | PrototypeKind::Needle => &[],
+        };
+        let triangles = self.hide(hidden_triangles.iter().copied());
+        let owners = self.hide(group.owners.iter().copied());
+        let material = self.material(&group.material, AlphaMode::Mask);
+        let node = (!group.positions.is_empty())
+            .then(|| self.leaves(group, prototype, &own, &corners, material));
+        GroupRecord {
+            name: group.name.clone(),
+            prototype,
+            leaves: group.leaf_count(),
+            node,
+            material: material.value(),
+            numbers,
+            triangles,
+            owners,
+        }
+    }
+
+    /// The node that shows a group's leaves.
+    fn leaves(
+        &mut self,
+        group: &LeafGroup,
+        prototype: PrototypeKind,
+        coordinates: &[f32],
+        corners: &[u32],
+        material: Index<gltf_json::Material>,
+    ) -> usize {
+        let positions = self.positions(&group.positions);
+        if prototype == PrototypeKind::Needle {
+            let attributes = [(Semantic::Positions, positions)];
+            return self.node(
+                &group.name,
+                primitive(attributes, None, material, Mode::Lines),
+            );
+        }
+        let leaves = 0..group.leaf_count();
+        let all = leaves.clone().flat_map(|_| coordinates.iter().copied());
+        let shown = self.attribute(all, Type::Vec2);
+        let stride = index_u32(group.prototype.vertices_per_leaf());
+        let indices = leaves.flat_map(|leaf| {
+            let first = index_u32(leaf) * stride;
+            corners.iter().map(move |corner| first + corner)
+        });
+        let indices = self.indices(indices);
+        let mode = if indices.is_some() {
+            Mode::Triangles
+        } else {
+            Mode::Points
+        };
+        let attributes = [
+            (Semantic::Positions, positions),
+            (Semantic::TexCoords(0), shown),
+        ];
+        self.node(&group.name, primitive(attributes, indices, material, mode))
+    }
+
+    /// Adds a buffer view that only the record names; `None` if there are no bytes.
+    fn hide(&mut self, words: impl IntoIterator<Item = u32>) -> Option<usize> {
+        let start = self.binary.len();
+        let view = self.view(words.into_iter().flat_map(u32::to_le_bytes), None);
+        self.hidden.bytes(&self.binary[start..]);
+        view.map(|view| view.value())
+    }
+
+    /// Adds a buffer view; every one begins at a multiple of 4.
+    fn view(
+        &mut self,
+        bytes: impl IntoIterator<Item = u8>,
+        target: Option<Target>,
+    ) -> Option<Index<View>> {
+        let start = self.binary.len();
+        self.binary.extend(bytes);
+        let length = self.binary.len() - start;
+        if length == 0 {
+            return None;
+        }
+        let view = View {
+            buffer: Index::new(0),
+            byte_length: USize64::from(length),
+            byte_offset: Some(USize64::from(start)),
+            byte_stride: None,
+            name: None,
+            target: target.map(Checked::Valid),
+            extensions: None,
+            extras: None,
+        };
+        Some(self.root.push(view))
+    }
+
+    fn attribute(&mut self, numbers: impl Iterator<Item = f32>, kind: Type) -> Index<Accessor> {
+        let bytes = numbers.flat_map(f32::to_le_bytes);
+        let view = self.view(bytes, Some(Target::ArrayBuffer));
+        self.accessor(view, kind, ComponentType::F32)
+    }
+
+    fn accessor(
+        &mut self,
+        view: Option<Index<View>>,
+        kind: Type,
+        component: ComponentType,
+    ) -> Index<Accessor> {
+        let bytes = view.map_or(0, |view| self.root.buffer_views[view.value()].byte_length.0);
+        let element = (component.size() * kind.multiplicity()) as u64;
+        self.root.push(Accessor {
+            buffer_view: view,
+            byte_offset: None,
+            count: USize64(bytes / element),
+            component_type: Checked::Valid(GenericComponentType(component)),
+            extensions: None,
+            extras: None,
+            type_: Checked::Valid(kind),
+            min: None,
+            max: None,
+            name: None,
+            normalized: false,
+            sparse: None,
+        })
+    }
+
+    fn positions(&mut self, positions: &[Vec3]) -> Index<Accessor> {
+        let numbers = positions.iter().flat_map(|position| position.to_array());
+        let index = self.attribute(numbers, Type::Vec3);
+        let bounds = Aabb::of(positions.iter().copied());
+        let accessor = &mut self.root.accessors[index.value()];
+        accessor.min = Some(bounds.min.to_array().to_vec().into());
+        accessor.max = Some(bounds.max.to_array().to_vec().into());
+        index
+    }
+
+    fn coordinates(&mut self, coordinates: &[Vec2]) -> Index<Accessor> {
+        let numbers = coordinates
+            .iter()
+            .flat_map(|coordinate| coordinate.to_array());
+        self.attribute(numbers, Type::Vec2)
+    }
+
+    fn indices(&mut self, indices: impl Iterator<Item = u32>) -> Option<Index<Accessor>> {
+        let bytes = indices.flat_map(u32::to_le_bytes);
+        let view = self.view(bytes, Some(Target::ElementArrayBuffer))?;
+        Some(self.accessor(Some(view), Type::Scalar, ComponentType::U32))
+    }
+
+    fn node(&mut self, name: &str, primitive: Primitive) -> usize {
+        let mesh = self.root.push(gltf_json::Mesh {
+            extensions: None,
+            extras: None,
+            name: Some(name.to_owned()),
+            primitives: vec![primitive],
+            weights: None,
+        });
+        let node = self.root.push(gltf_json::Node {
+            mesh: Some(mesh),
+            name: Some(name.to_owned()),
+            ..gltf_json::Node::default()
+        });
+        self.nodes.push(node);
+        node.value()
+    }
+
+    fn material(
+        &mut self,
+        material: &'p Material,
+        alpha_mode: AlphaMode,
+    ) -> Index<gltf_json::Material> {
+        let texture = material.texture.as_ref().map(|image| texture::Info {
+            index: self.texture(image, &material.name),
+            tex_coord: 0,
+            extensions: None,
+            extras: None,
+        });
+        // What glTF allows; the exact numbers are in the record.
+        let base_color = material.base_color.map(|channel| channel.min(1.0));
+        let is_leaf = alpha_mode == AlphaMode::Mask;
+        self.root.push(gltf_json::Material {
+            name: Some(material.name.clone()),
+            alpha_mode: Checked::Valid(alpha_mode),
+            alpha_cutoff: is_leaf.then_some(AlphaCutoff(material.alpha_cutoff)),
+            double_sided: is_leaf,
+            pbr_metallic_roughness: PbrMetallicRoughness {
+                base_color_factor: PbrBaseColorFactor(base_color),
+                base_color_texture: texture,
+                metallic_factor: StrengthFactor(0.0),
+                ..PbrMetallicRoughness::default()
+            },
+            ..gltf_json::Material::default()
+        })
+    }
+
+    /// The texture of an image; equal images are written once.
+    fn texture(&mut self, image: &'p Texture, name: &str) -> Index<texture::Texture> {
+        let known = self.textures.iter().find(|(known, _)| *known == image);
+        if let Some((_, index)) = known {
+            return *index;
+        }
+        let view = self.view(encode_png(image), None);
+        while !self.binary.len().is_multiple_of(4) {
+            self.binary.push(0);
+        }
+        let source = self.root.push(gltf_json::Image {
+            buffer_view: view,
+            mime_type: Some(MimeType("image/png".to_owned())),
+            name: Some(name.to_owned()),
+            uri: None,
+            extensions: None,
+            extras: None,
+        });
+        let index = self.root.push(texture::Texture {
+            name: None,
+            sampler: None,
+            source,
+            extensions: None,
+            extras: None,
+        });
+        self.textures.push((image, index));
+        index
+    }
+
+    fn finish(mut self, record: Record) -> (Root, Vec<u8>) {
+        if !self.binary.is_empty() {
+            self.root.buffers.push(Buffer {
+                byte_length: USize64::from(self.binary.len()),
+                name: None,
+                uri: None,
+                extensions: None,
+                extras: None,
+            });
+        }
+        // A scene must have a node; without a scene nothing is shown either.
+        if !self.nodes.is_empty() {
+            let scene = self.root.push(gltf_json::Scene {
+                extensions: None,
+                extras: None,
+                name: Some(record.name.clone()),
+                nodes: self.nodes,
+            });
+            self.root.scene = Some(scene);
+        }
+        self.root.asset.generator = Some(concat!("spinney ", env!("CARGO_PKG_VERSION")).to_owned());
+        let envelope = Envelope {
+            spinney: Some(record),
+        };
+        let extras = serde_json::value::to_raw_value(&envelope);
+        self.root.extras = Some(extras.expect("names, numbers and lists have a JSON form"));
+        (self.root, self.binary)
+    }
+}
+
+fn to_json(root: &Root) -> Vec<u8> {
+    root.to_vec()
+        .expect("names, numbers and lists have a JSON form")
+}
+
+fn material_numbers(material: &Material) -> Vec<u32> {
+    let numbers = material.base_color.iter().chain([&material.alpha_cutoff]);
+    numbers.map(|number| number.to_bits()).collect()
+}
+
+fn primitive(
+    attributes: impl IntoIterator<Item = (Semantic, Index<Accessor>)>,
+    indices: Option<Index<Accessor>>,
+    material: Index<gltf_json::Material>,
+    mode: Mode,
+) -> Primitive {
+    let attributes = attributes.into_iter();
+    let attributes: BTreeMap<_, _> = attributes
+        .map(|(semantic, index)| (Checked::Valid(semantic), index))
+        .collect();
+    Primitive {
+        attributes,
+        extensions: None,
+        extras: None,
+        indices,
+        material: Some(material),
+        mode: Checked::Valid(mode),
+        targets: None,
+    }
+}
+
+/// A texture as a PNG file, texel for texel.
+pub(super) fn encode_png(texture: &Texture) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+    let (width, height) = (texture.width(), texture.height());
+    encoder
+        .write_image(
+            texture.rgba(),
+            width,
+            height,
+            image::ExtendedColorType::Rgba8,
+        )
+        .expect("a texture has the bytes its size asks for, and memory takes them all");
+    bytes
+}
