@@ -117,3 +117,14 @@ pub fn index_u32(value: usize) -> u32 {
 pub fn index_usize(value: u64) -> usize {
     usize::try_from(value).expect("what lies in memory has an index")
 }
+
+/// The whole part of a number, 0 for less or no number, `u32::MAX` for more.
+#[must_use]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the conversion saturates, as documented"
+)]
+pub fn whole_u32(value: f64) -> u32 {
+    value as u32
+}

@@ -68,7 +68,7 @@ impl Texture {
         };
         let threshold = threshold(cutoff);
         let passing = covered(&self.rgba, threshold);
-        let mut levels = vec![self.rgba.clone()];
+        let mut levels = vec![self.rgba.to_vec()];
         while level.width > 1 || level.height > 1 {
             level = level.halved();
             let mut bytes = level.encoded(&decode);

@@ -5,7 +5,7 @@
 
 use std::sync::LazyLock;
 
-use crate::math::{det, index_u32};
+use crate::math::{Vec4, det, index_u32};
 
 /// The linear value of each sRGB byte.
 pub(super) fn decoding() -> &'static [f32; 256] {
@@ -97,6 +97,13 @@ fn decode(encoded: f64) -> f32 {
         det::pow_f64((encoded + 0.055) / 1.055, 2.4)
     };
     linear as f32
+}
+
+/// A colour of 8 bits a channel in sRGB as a linear one, opaque.
+#[must_use]
+pub fn decode_srgb(colour: [u8; 3]) -> Vec4 {
+    let [r, g, b] = colour.map(|channel| decoding()[usize::from(channel)]);
+    Vec4::new(r, g, b, 1.0)
 }
 
 #[cfg(test)]

@@ -74,6 +74,7 @@ mod shade;
 mod texture;
 mod tile;
 
+pub use colour::decode_srgb;
 pub use frame::{Image, Target};
 pub use kernel::{Fragment, Kernel, MAX_FLATS, MAX_VARYINGS, Pixel};
 pub use pass::{Options, render};

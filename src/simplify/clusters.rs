@@ -49,6 +49,26 @@ impl Cluster {
     }
 }
 
+/// The leaves that the papers' static list leads to, as printed: from `Init_group = 2 c` follow
+/// `next` `Active_leaves = m − c` times ([RRCGR](crate::references), Algorithm 3 and Figure 5).
+///
+/// The list links the originals in array order, then the new leaves in the order of their making.
+/// Since the array is in the order of consumption, the way from `2 c` skips leaves that are visible
+/// and meets some that are gone; it is right in every state only if leaves are consumed in the order
+/// in which they were born.
+#[must_use]
+pub fn literal_visible(cluster: &Cluster, collapses: u32) -> Vec<u32> {
+    let mut chain: Vec<usize> = (0..cluster.records.len()).collect();
+    chain.sort_by_key(|&position| cluster.records[position].birth);
+    let active = cluster.original_count().saturating_sub(collapses) as usize;
+    chain
+        .iter()
+        .skip_while(|&&position| position != 2 * collapses as usize)
+        .take(active)
+        .map(|&position| cluster.records[position].leaf)
+        .collect()
+}
+
 /// All clusters of a sequence, and the cluster of every collapse in order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Clusters {
@@ -179,6 +199,32 @@ mod tests {
                     .collect();
                 shown.sort_unstable();
                 assert_eq!(shown, sequence.visible_after(level), "level {level}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_papers_list_is_wrong_where_the_errata_say() {
+        // Cluster 1 of 001 after two collapses: l3, l10 for l3, l12. Cluster 0 of 000 after two, the
+        // state of its own Figure 8: l3, l9 for l3, l10. Every other state is right.
+        for (ops, wrong, shown) in [
+            (examples::WSCG, (1, 2), [3, 10]),
+            (examples::FRAMEWORK, (0, 2), [3, 9]),
+        ] {
+            let clusters = Clusters::of(&examples::sequence(9, &ops));
+            for (number, cluster) in clusters.clusters.iter().enumerate() {
+                for count in 0..cluster.original_count() {
+                    let mut literal = literal_visible(cluster, count);
+                    let mut truth: Vec<u32> = cluster.visible(count).collect();
+                    literal.sort_unstable();
+                    truth.sort_unstable();
+                    if (number, count) == wrong {
+                        assert_eq!(literal, shown);
+                        assert_ne!(literal, truth);
+                    } else {
+                        assert_eq!(literal, truth, "cluster {number} after {count}");
+                    }
+                }
             }
         }
     }

@@ -10,7 +10,13 @@
 //! originals with their corner roles kept.
 
 mod clusters;
+mod leaves;
+mod measure;
 mod sequence;
 
-pub use clusters::{Cluster, Clusters, Record};
+pub use clusters::{Cluster, Clusters, Record, literal_visible};
+pub use leaves::{LeafCollapseOptions, LeafDistance, collapse_leaves};
+pub use measure::{LeafMeasure, is_folded, leaf_area, measure_leaves};
+#[cfg(test)]
+pub(crate) use sequence::examples;
 pub use sequence::{Collapse, CollapseSequence, SequenceError};

@@ -1,0 +1,288 @@
+//! The programs that draw leaves.
+//!
+//! Both share the fragment stage; they differ in where a leaf's corners come from:
+//!
+//! - `leaf`: the input assembler names four vertices a leaf;
+//! - `stamped-leaf`: corner `i` belongs to leaf record `i / 4` of a storage buffer; records that are
+//!   not born yet, or gone already, are left out.
+
+use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
+use crate::gpu::{Bindings, Layout, Program, VertexCall, Words};
+use crate::math::{Mat4, Vec2, Vec3, Vec4, index_u32};
+use crate::raster::{Blend, Fragment, Geometry, Kernel, MipMap, Pixel, Topology, Wrap};
+
+/// The programs that draw leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LeafProgram {
+    /// Corners are vertex indices.
+    Indexed,
+    /// Corners count through stamped records.
+    Stamped,
+}
+
+/// The slot of the materials.
+pub(super) const MATERIAL_SLOT: u32 = 2;
+/// The slot of the vertices, for records that are pulled.
+pub(super) const VERTEX_SLOT: u32 = 3;
+/// The slot of the stamped records.
+pub(super) const RECORD_SLOT: u32 = 4;
+/// The slot of the counter.
+pub(super) const COUNTER_SLOT: u32 = 5;
+/// The slot of the clusters' thresholds.
+pub(super) const THRESHOLD_SLOT: u32 = 6;
+
+/// Words of one stamped record: four corners, birth, cluster.
+pub(super) const STAMPED_WORDS: usize = 6;
+
+/// The counter that says: every cluster has a threshold of its own.
+pub(super) const VARIABLE: u32 = u32::MAX;
+
+impl Program for LeafProgram {
+    fn layout(&self) -> Layout {
+        let (name, vertex_stride, storage_slots) = match self {
+            Self::Indexed => ("leaf", 12, 3),
+            Self::Stamped => ("stamped-leaf", 0, 7),
+        };
+        Layout {
+            name,
+            version: 1,
+            topology: Topology::QuadList,
+            blend: Blend::Opaque,
+            vertex_stride,
+            storage_slots,
+            texture_slots: 0,
+        }
+    }
+
+    fn vertex_stage(&self, call: &VertexCall<'_>, geometry: &mut Geometry) {
+        let leaves = call.corners.len() / 4;
+        geometry.clip.reserve(4 * leaves);
+        geometry.varyings.reserve(8 * leaves);
+        geometry.vertex_ids.reserve(4 * leaves);
+        geometry.flats.reserve(3 * leaves);
+        geometry.corners.reserve(4 * leaves);
+        let stage = LeafStage::new(call.bindings, call.instance);
+        match self {
+            Self::Indexed => {
+                let vertices = call.bindings.vertices();
+                for corners in call.corners.chunks_exact(4) {
+                    let corners = [corners[0], corners[1], corners[2], corners[3]];
+                    stage.leaf(corners, vertices, geometry);
+                }
+            }
+            Self::Stamped => {
+                let storage = |slot: u32| call.bindings.storage(slot as usize);
+                let vertices = storage(VERTEX_SLOT);
+                let records = storage(RECORD_SLOT);
+                let thresholds = storage(THRESHOLD_SLOT);
+                let counter = storage(COUNTER_SLOT).u32(0);
+                for corners in call.corners.chunks_exact(4) {
+                    let record = corners[0] as usize / 4;
+                    let first = STAMPED_WORDS * record;
+                    let birth = records.u32(first + 4);
+                    let stands = if counter == VARIABLE {
+                        // The operands of collapse k stand at 2 k − 2 and 2 k − 1.
+                        let death = index_u32(record / 2) + 1;
+                        let threshold = thresholds.u32(records.u32(first + 5) as usize);
+                        birth <= threshold && threshold < death
+                    } else {
+                        birth <= counter
+                    };
+                    if stands {
+                        stage.leaf(records.u32s(first), vertices, geometry);
+                    }
+                }
+            }
+        }
+    }
+
+    fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
+        let view = View::read(bindings.storage(VIEW_SLOT as usize));
+        let materials = read_materials(bindings.storage(MATERIAL_SLOT as usize));
+        let surfaces = materials
+            .into_iter()
+            .map(|material| Surface {
+                texture: material
+                    .texture
+                    .checked_sub(1)
+                    .and_then(|slot| bindings.texture(slot as usize)),
+                base_color: material.base_color,
+                alpha_cutoff: material.alpha_cutoff,
+            })
+            .collect();
+        Box::new(LeafFragment {
+            surfaces,
+            light: view.light,
+            ambient: view.ambient,
+        })
+    }
+}
+
+/// What the vertex stage knows before it sees a leaf.
+struct LeafStage {
+    clip_from_world: Mat4,
+    to_light: Vec3,
+    placement: Placement,
+    materials: Vec<LeafMaterial>,
+}
+
+impl LeafStage {
+    fn new(bindings: &Bindings<'_>, instance: u32) -> Self {
+        let view = View::read(bindings.storage(VIEW_SLOT as usize));
+        let placements = bindings.storage(INSTANCE_SLOT as usize);
+        Self {
+            clip_from_world: view.clip_from_world,
+            to_light: view.to_light,
+            placement: Placement::from_words(placements.f32s(8 * instance as usize)),
+            materials: read_materials(bindings.storage(MATERIAL_SLOT as usize)),
+        }
+    }
+
+    /// Emits one leaf. Its normal is the cross product of the diagonals.
+    fn leaf(&self, corners: [u32; 4], vertices: Words<'_>, geometry: &mut Geometry) {
+        let world = corners.map(|corner| {
+            self.placement
+                .to_world(Vec3::from_array(vertices.f32s(3 * corner as usize)))
+        });
+        let normal = (world[2] - world[0])
+            .cross(world[3] - world[1])
+            .normalize_or_zero();
+        let toward = normal.dot(self.to_light);
+        // Groups are few and ascending; the last one that begins at or before the corner has it.
+        let group = self
+            .materials
+            .iter()
+            .rposition(|material| material.first_vertex <= corners[0])
+            .unwrap_or(0);
+        let Some(material) = self.materials.get(group) else {
+            return;
+        };
+        let first = index_u32(geometry.clip.len());
+        for (role, (corner, point)) in corners.into_iter().zip(world).enumerate() {
+            geometry.clip.push(self.clip_from_world * point.extend(1.0));
+            geometry
+                .varyings
+                .extend(material.texture_corners[role].to_array());
+            geometry.vertex_ids.push(corner);
+            geometry.corners.push(first + index_u32(role));
+        }
+        geometry.flats.extend([
+            toward.max(0.0),
+            (-toward).max(0.0),
+            f32::from_bits(index_u32(group)),
+        ]);
+    }
+}
+
+/// One foliage group as the programs see it.
+///
+/// | words | field             | type      |
+/// |------:|-------------------|-----------|
+/// | 0     | `first_vertex`    | `u32`, the group's first vertex |
+/// | 1     | `texture`         | `u32`, texture slot + 1, or 0 |
+/// | 2     | `alpha_cutoff`    | `f32` |
+/// | 3     | –                 | 0 |
+/// | 4–7   | `base_color`      | 4 × `f32`, linear |
+/// | 8–15  | `texture_corners` | 4 × 2 × `f32`, by corner role |
+///
+/// Little-endian, 64 bytes a group, groups ascending by first vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LeafMaterial {
+    pub(super) first_vertex: u32,
+    pub(super) texture: u32,
+    pub(super) alpha_cutoff: f32,
+    pub(super) base_color: Vec4,
+    pub(super) texture_corners: [Vec2; 4],
+}
+
+impl LeafMaterial {
+    pub(super) const WORDS: usize = 16;
+
+    pub(super) fn to_bytes(self) -> Vec<u8> {
+        let mut words = vec![
+            self.first_vertex,
+            self.texture,
+            self.alpha_cutoff.to_bits(),
+            0,
+        ];
+        words.extend(self.base_color.to_array().map(f32::to_bits));
+        words.extend(
+            self.texture_corners
+                .iter()
+                .flat_map(|c| c.to_array())
+                .map(f32::to_bits),
+        );
+        words.into_iter().flat_map(u32::to_le_bytes).collect()
+    }
+
+    fn read(words: Words<'_>, group: usize) -> Self {
+        let first = group * Self::WORDS;
+        Self {
+            first_vertex: words.u32(first),
+            texture: words.u32(first + 1),
+            alpha_cutoff: words.f32(first + 2),
+            base_color: Vec4::from_array(words.f32s(first + 4)),
+            texture_corners: [0, 1, 2, 3]
+                .map(|role| Vec2::from_array(words.f32s(first + 8 + 2 * role))),
+        }
+    }
+}
+
+fn read_materials(words: Words<'_>) -> Vec<LeafMaterial> {
+    (0..words.len() / LeafMaterial::WORDS)
+        .map(|group| LeafMaterial::read(words, group))
+        .collect()
+}
+
+/// Textured, alpha-tested, lit on the side that is seen.
+#[derive(Debug)]
+struct LeafFragment<'a> {
+    surfaces: Vec<Surface<'a>>,
+    light: Vec3,
+    ambient: Vec3,
+}
+
+#[derive(Debug)]
+struct Surface<'a> {
+    texture: Option<&'a MipMap>,
+    base_color: Vec4,
+    alpha_cutoff: f32,
+}
+
+impl LeafFragment<'_> {
+    fn surface(&self, pixel: &Pixel<'_>) -> &Surface<'_> {
+        // Constant over the leaf, so the bits arrive as the vertex stage wrote them.
+        &self.surfaces[pixel.flats[2].to_bits() as usize]
+    }
+}
+
+impl Fragment for LeafFragment<'_> {
+    const VARYINGS: usize = 2;
+    const FLATS: usize = 3;
+    const TESTS_ALPHA: bool = true;
+
+    fn keeps(&self, pixel: &Pixel<'_>) -> bool {
+        let surface = self.surface(pixel);
+        let alpha = surface.texture.map_or(1.0, |texture| {
+            let level = texture.level_for(pixel.derivative_x, pixel.derivative_y);
+            texture.alpha(coordinate(pixel), level, Wrap::Clamp)
+        });
+        alpha * surface.base_color.w >= surface.alpha_cutoff
+    }
+
+    fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
+        let surface = self.surface(pixel);
+        let texel = surface.texture.map_or(Vec4::ONE, |texture| {
+            let level = texture.level_for(pixel.derivative_x, pixel.derivative_y);
+            texture.sample(coordinate(pixel), level, Wrap::Clamp)
+        });
+        let toward = pixel.flats[usize::from(!pixel.front)];
+        let light = self.ambient + self.light * toward;
+        let color = surface.base_color.truncate() * texel.truncate() * light;
+        color.extend(1.0)
+    }
+}
+
+fn coordinate(pixel: &Pixel<'_>) -> Vec2 {
+    Vec2::new(pixel.varyings[0], pixel.varyings[1])
+}

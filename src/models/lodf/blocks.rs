@@ -1,0 +1,268 @@
+//! LoDF with a block of records a cluster on the device, "hardware-oriented": the records of every
+//! changed cluster are sent anew.
+
+use std::sync::Arc;
+
+use super::super::surface::{LEAF_GROUP, LeafDraw, Surface};
+use super::super::{
+    Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
+};
+use super::groups::{Group, Groups};
+use super::{Extraction, block_starts, host_bytes, host_size};
+use crate::gpu::{
+    BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
+    Queue, Residency, Step, Usage,
+};
+use crate::math::index_u32;
+use crate::simplify::literal_visible;
+
+/// Which leaves of a cluster are taken for visible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Order {
+    /// Those that are not consumed and born already: the truth.
+    Repaired,
+    /// Those that the papers' static `next` list leads to ([RRCGR](crate::references), Figure 5).
+    Literal,
+}
+
+/// LoDF with resident blocks.
+///
+/// Host memory: the structures of [`host_bytes`]. Device memory: 12 bytes a vertex once; a block of
+/// 16 bytes an original leaf and 16 bytes of draw arguments a cluster for each instance.
+#[derive(Debug)]
+pub(in super::super) struct Blocks {
+    crown: Arc<Crown>,
+    order: Order,
+    extraction: Extraction,
+}
+
+impl Blocks {
+    pub(in super::super) fn new(crown: Arc<Crown>, order: Order, options: ModelOptions) -> Self {
+        Self {
+            crown,
+            order,
+            extraction: options.extraction,
+        }
+    }
+}
+
+impl Model for Blocks {
+    fn kind(&self) -> Kind {
+        match self.order {
+            Order::Repaired => Kind::LodfCluster,
+            Order::Literal => Kind::LodfLiteral,
+        }
+    }
+
+    fn crown(&self) -> &Arc<Crown> {
+        &self.crown
+    }
+
+    fn drawn(&self, state: &State) -> Vec<u32> {
+        let counts = state.counts(self.crown.clusters());
+        let numbered = (0..).zip(counts);
+        numbered
+            .flat_map(|(cluster, count)| visible(&self.crown, self.order, cluster, count))
+            .collect()
+    }
+
+    fn upload(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+    ) -> Result<Box<dyn Shared>, GpuError> {
+        let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
+        Ok(Box::new(BlocksShared {
+            crown: Arc::clone(&self.crown),
+            order: self.order,
+            extraction: self.extraction,
+            surface,
+        }))
+    }
+
+    fn host_bytes(&self) -> Vec<u8> {
+        host_bytes(&self.crown)
+    }
+
+    fn storage(&self) -> Storage {
+        Storage {
+            host_bytes: host_size(&self.crown),
+            shared_bytes: 12 * self.crown.vertices().len() as u64,
+            instance_bytes: BlockBuffers::instance_bytes(&self.crown),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct BlocksShared {
+    crown: Arc<Crown>,
+    order: Order,
+    extraction: Extraction,
+    surface: Surface,
+}
+
+impl Shared for BlocksShared {
+    fn instance(
+        &self,
+        device: &mut Device,
+        state: &State,
+        number: u32,
+    ) -> Result<Box<dyn Resident>, GpuError> {
+        let crown = &self.crown;
+        let groups = Groups::at(crown.clusters(), state);
+        let starts = block_starts(crown);
+        let mut bytes = vec![0; 16 * crown.sequence().original_count() as usize];
+        for ((cluster, group), &start) in (0..).zip(groups.groups()).zip(&starts) {
+            let shown = visible(crown, self.order, cluster, group.collapses());
+            let records = crown.records_bytes(shown);
+            bytes[16 * start as usize..][..records.len()].copy_from_slice(&records);
+        }
+        let buffers = BlockBuffers::create(
+            device,
+            crown,
+            &self.surface,
+            &bytes,
+            groups.groups(),
+            number,
+        )?;
+        Ok(Box::new(BlocksResident {
+            crown: Arc::clone(crown),
+            order: self.order,
+            extraction: self.extraction,
+            starts,
+            buffers,
+            groups,
+        }))
+    }
+}
+
+#[derive(Debug)]
+struct BlocksResident {
+    crown: Arc<Crown>,
+    order: Order,
+    extraction: Extraction,
+    starts: Vec<u32>,
+    buffers: BlockBuffers,
+    groups: Groups,
+}
+
+impl Resident for BlocksResident {
+    fn state(&self) -> &State {
+        self.groups.state()
+    }
+
+    fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
+        let clusters = self.crown.clusters();
+        let (mut change, touched) = self.groups.extract(clusters, to, self.extraction);
+        for (cluster, _) in touched {
+            let group = self.groups.groups()[cluster as usize];
+            let shown = visible(&self.crown, self.order, cluster, group.collapses());
+            change.host_records += shown.len() as u64;
+            let bytes = self.crown.records_bytes(shown);
+            let offset = 16 * u64::from(self.starts[cluster as usize]);
+            let cause = Cause::numbered("cluster", cluster);
+            queue.write(self.buffers.records, offset, &bytes, cause)?;
+            let (offset, count) = BlockBuffers::draw_count(cluster, group);
+            queue.write(
+                self.buffers.arguments,
+                offset,
+                &count,
+                draw_count_cause(cluster),
+            )?;
+        }
+        Ok(change)
+    }
+
+    fn draw(&self, steps: &mut Vec<Step>) {
+        steps.extend_from_slice(&self.buffers.steps);
+    }
+}
+
+/// Why a cluster's number of visible leaves is sent.
+pub(super) fn draw_count_cause(cluster: u32) -> Cause {
+    Cause::numbered("draw-count", cluster)
+}
+
+fn visible(crown: &Crown, order: Order, cluster: u32, collapses: u32) -> Vec<u32> {
+    let cluster = &crown.clusters().clusters[cluster as usize];
+    match order {
+        Order::Repaired => cluster.visible(collapses).collect(),
+        Order::Literal => literal_visible(cluster, collapses),
+    }
+}
+
+/// What an instance with blocks keeps on the device.
+#[derive(Debug)]
+pub(super) struct BlockBuffers {
+    pub(super) records: BufferId,
+    pub(super) arguments: BufferId,
+    pub(super) steps: Vec<Step>,
+}
+
+impl BlockBuffers {
+    pub(super) fn instance_bytes(crown: &Crown) -> u64 {
+        16 * u64::from(crown.sequence().original_count())
+            + IndirectRecord::STRIDE * u64::from(crown.sequence().root_count())
+    }
+
+    pub(super) fn create(
+        device: &mut Device,
+        crown: &Crown,
+        surface: &Surface,
+        records: &[u8],
+        groups: &[Group],
+        number: u32,
+    ) -> Result<Self, GpuError> {
+        let mut buffer = |label, bytes: &[u8], usage| {
+            let residency = Residency::Device;
+            let size = bytes.len() as u64;
+            let buffer = device.create_buffer(&BufferDescriptor {
+                label,
+                size,
+                usage,
+                residency,
+            })?;
+            device
+                .queue()
+                .write(buffer, 0, bytes, Cause::of("records"))?;
+            Ok::<_, GpuError>(buffer)
+        };
+        let arguments: Vec<u8> = groups
+            .iter()
+            .zip(block_starts(crown))
+            .flat_map(|(group, start)| {
+                let record = IndirectRecord {
+                    corner_count: 4 * group.active_leaves,
+                    instances: 1,
+                    first_corner: 4 * start,
+                    instance: number,
+                };
+                record.to_bytes()
+            })
+            .collect();
+        let records = buffer("leaf records", records, Usage::INDEX)?;
+        let arguments = buffer("draw arguments", &arguments, Usage::INDIRECT)?;
+        let mut steps = Vec::new();
+        surface.bind(LeafDraw::Indexed, &mut steps);
+        steps.push(Step::Vertices(surface.vertices));
+        steps.push(Step::Indices(records));
+        steps.push(Step::DrawIndirect(DrawIndirect {
+            source: Corners::Indexed,
+            arguments,
+            offset: 0,
+            count: index_u32(groups.len()),
+            group: LEAF_GROUP,
+        }));
+        Ok(Self {
+            records,
+            arguments,
+            steps,
+        })
+    }
+
+    /// Where a cluster's number of corners lies in the arguments, and its bytes.
+    pub(super) fn draw_count(cluster: u32, group: Group) -> (u64, [u8; 4]) {
+        let offset = IndirectRecord::STRIDE * u64::from(cluster);
+        (offset, (4 * group.active_leaves).to_le_bytes())
+    }
+}

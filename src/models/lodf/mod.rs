@@ -1,0 +1,81 @@
+//! LoDF: leaf collapse and split in independent clusters ([RRCGR](crate::references),
+//! [RCRG06](crate::references)).
+//!
+//! ```text
+//!  State ──extract──▶ Groups (Init_group, Active_leaves a cluster) ──▶ which clusters changed
+//!                                                                      │
+//!      Host: a list in host memory ◀───────────┬──────────┬────────────┤
+//!      Blocks: changed clusters sent whole ◀───┘          │            │
+//!      Slots: changed records sent ◀──────────────────────┘            │
+//!      Stamps: a counter, or thresholds of changed clusters ◀──────────┘
+//! ```
+
+mod blocks;
+mod groups;
+mod host;
+mod slots;
+mod stamps;
+
+pub(super) use blocks::{Blocks, Order};
+pub use groups::Extraction;
+pub(super) use host::{Host, HostList};
+pub(super) use slots::Slots;
+pub(super) use stamps::Stamps;
+
+use super::Crown;
+
+/// How several changed ranges are sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gather {
+    /// Each as a transfer of its own.
+    Single,
+    /// All of a change in one transfer, then one copy region each.
+    Regions,
+}
+
+/// The papers' host structures as bytes, little-endian: `Leaf` (4 vertex indices) for every leaf;
+/// the clusters' arrays (leaf number and birth, 8 bytes an entry); `Init_group` and
+/// `Active_leaves` a cluster; `Changed_groups`.
+fn host_bytes(crown: &Crown) -> Vec<u8> {
+    let clusters = crown.clusters();
+    let mut bytes = crown.records_bytes(0..crown.sequence().record_count());
+    let mut word = |word: u32| bytes.extend(word.to_le_bytes());
+    for record in clusters
+        .clusters
+        .iter()
+        .flat_map(|cluster| &cluster.records)
+    {
+        word(record.leaf);
+        word(record.birth);
+    }
+    for cluster in &clusters.clusters {
+        word(0);
+        word(cluster.original_count());
+    }
+    clusters.changed_groups.iter().copied().for_each(word);
+    bytes
+}
+
+/// The length of [`host_bytes`]: 24 bytes a leaf, old or new, 8 a cluster, 4 a collapse.
+fn host_size(crown: &Crown) -> u64 {
+    let sequence = crown.sequence();
+    24 * u64::from(sequence.record_count())
+        + 8 * u64::from(sequence.root_count())
+        + 4 * u64::from(sequence.collapse_count())
+}
+
+/// Where each cluster's block of records begins, in records: `m` a cluster.
+fn block_starts(crown: &Crown) -> Vec<u32> {
+    let sizes = crown
+        .clusters()
+        .clusters
+        .iter()
+        .map(|cluster| cluster.original_count());
+    sizes
+        .scan(0, |next, size| {
+            let start = *next;
+            *next += size;
+            Some(start)
+        })
+        .collect()
+}

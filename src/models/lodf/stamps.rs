@@ -1,0 +1,299 @@
+//! LoDF with stamped records: everything is on the device from the start, and a change of level
+//! sends how far the sequence has gone.
+//!
+//! Records lie in the global order of consumption: the operands of collapse `k` (from 1) at
+//! `2 k − 2` and `2 k − 1`, the roots at the end. After `c` collapses those before `2 c` are gone, so
+//! the device draws the window `2 c ..` and the vertex stage leaves out what is born later than `c`.
+//! It looks at `L + C − 2 c` records to show `L − c`: always fewer than twice as many.
+//!
+//! Where every cluster has a number of its own, the counter says so (`u32::MAX`), everything is
+//! looked at, and a leaf shows if its cluster's threshold, the stamp of the last collapse done
+//! there, lies between its birth and its death.
+
+use std::sync::Arc;
+
+use super::super::leaf::{
+    COUNTER_SLOT, RECORD_SLOT, STAMPED_WORDS, THRESHOLD_SLOT, VARIABLE, VERTEX_SLOT,
+};
+use super::super::surface::{LEAF_GROUP, LeafDraw, Surface};
+use super::super::{
+    Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
+};
+use super::slots::send;
+use super::{Gather, host_bytes, host_size};
+use crate::gpu::{
+    BufferDescriptor, BufferId, Cause, Corners, Device, DrawFromCounter, GpuError, Queue, Region,
+    Residency, Step, Usage,
+};
+use crate::math::index_u32;
+use crate::simplify::Clusters;
+
+/// LoDF with stamps.
+///
+/// Host memory: the structures of [`host_bytes`]. Device memory: 12 bytes a vertex and 24 bytes a
+/// leaf record, old or new (four corners, birth, cluster), once; a counter and a threshold a cluster
+/// (4 bytes each) for each instance.
+#[derive(Debug)]
+pub(in super::super) struct Stamps {
+    crown: Arc<Crown>,
+    gather: Gather,
+}
+
+impl Stamps {
+    pub(in super::super) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
+        Self {
+            crown,
+            gather: options.gather,
+        }
+    }
+
+    /// All leaves in the order of their records.
+    fn order(&self) -> Vec<u32> {
+        let sequence = self.crown.sequence();
+        let operands = sequence
+            .collapses()
+            .iter()
+            .flat_map(|collapse| collapse.old);
+        let roots = self.crown.clusters().clusters.iter().map(|cluster| {
+            cluster
+                .records
+                .last()
+                .expect("a cluster has at least its root")
+                .leaf
+        });
+        operands.chain(roots).collect()
+    }
+
+    fn record_bytes(&self) -> Vec<u8> {
+        let originals = self.crown.sequence().original_count();
+        let cluster = &self.crown.clusters().cluster_of_leaf;
+        let mut bytes = Vec::new();
+        for leaf in self.order() {
+            bytes.extend(self.crown.record_bytes(leaf));
+            let birth = (leaf + 1).saturating_sub(originals);
+            bytes.extend(birth.to_le_bytes());
+            bytes.extend(cluster[leaf as usize].to_le_bytes());
+        }
+        bytes
+    }
+}
+
+impl Model for Stamps {
+    fn kind(&self) -> Kind {
+        Kind::LodfStamps
+    }
+
+    fn crown(&self) -> &Arc<Crown> {
+        &self.crown
+    }
+
+    fn drawn(&self, state: &State) -> Vec<u32> {
+        let mut shown = vec![false; self.crown.sequence().record_count() as usize];
+        for leaf in state.visible(self.crown.clusters()) {
+            shown[leaf as usize] = true;
+        }
+        self.order()
+            .into_iter()
+            .filter(|&leaf| shown[leaf as usize])
+            .collect()
+    }
+
+    fn upload(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+    ) -> Result<Box<dyn Shared>, GpuError> {
+        let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
+        let bytes = self.record_bytes();
+        let records = device.create_buffer(&BufferDescriptor {
+            label: "stamped records",
+            size: bytes.len() as u64,
+            usage: Usage::STORAGE,
+            residency: Residency::Device,
+        })?;
+        device
+            .queue()
+            .write(records, 0, &bytes, Cause::of("records"))?;
+        let (crown, gather) = (Arc::clone(&self.crown), self.gather);
+        Ok(Box::new(StampsShared {
+            crown,
+            gather,
+            surface,
+            records,
+        }))
+    }
+
+    fn host_bytes(&self) -> Vec<u8> {
+        host_bytes(&self.crown)
+    }
+
+    fn storage(&self) -> Storage {
+        let record_bytes = 4 * STAMPED_WORDS as u64;
+        Storage {
+            host_bytes: host_size(&self.crown),
+            shared_bytes: 12 * self.crown.vertices().len() as u64
+                + record_bytes * u64::from(self.crown.sequence().record_count()),
+            instance_bytes: 4 + 4 * u64::from(self.crown.sequence().root_count()),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct StampsShared {
+    crown: Arc<Crown>,
+    gather: Gather,
+    surface: Surface,
+    records: BufferId,
+}
+
+impl Shared for StampsShared {
+    fn instance(
+        &self,
+        device: &mut Device,
+        state: &State,
+        number: u32,
+    ) -> Result<Box<dyn Resident>, GpuError> {
+        let clusters = self.crown.clusters();
+        let (counter_word, thresholds_words) = match state {
+            State::Uniform { collapses } => (*collapses, vec![0; clusters.clusters.len()]),
+            State::Variable { counts } => (VARIABLE, thresholds(clusters, counts)),
+        };
+        let mut buffer = |label, words: &[u32], usage| {
+            let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+            let (size, residency) = (bytes.len() as u64, Residency::Device);
+            let buffer = device.create_buffer(&BufferDescriptor {
+                label,
+                size,
+                usage,
+                residency,
+            })?;
+            device
+                .queue()
+                .write(buffer, 0, &bytes, Cause::of("records"))?;
+            Ok::<_, GpuError>(buffer)
+        };
+        let counter = buffer("counter", &[counter_word], Usage::STORAGE | Usage::INDIRECT)?;
+        let threshold_buffer = buffer("thresholds", &thresholds_words, Usage::STORAGE)?;
+        let mut steps = Vec::new();
+        self.surface.bind(LeafDraw::Stamped, &mut steps);
+        for (slot, buffer) in [
+            (VERTEX_SLOT, self.surface.vertices),
+            (RECORD_SLOT, self.records),
+            (COUNTER_SLOT, counter),
+            (THRESHOLD_SLOT, threshold_buffer),
+        ] {
+            steps.push(Step::Storage { slot, buffer });
+        }
+        steps.push(Step::DrawFromCounter(DrawFromCounter {
+            source: Corners::Counted,
+            counter,
+            offset: 0,
+            scale: 8,
+            end: 4 * self.crown.sequence().record_count(),
+            instance: number,
+            group: LEAF_GROUP,
+        }));
+        Ok(Box::new(StampsResident {
+            crown: Arc::clone(&self.crown),
+            gather: self.gather,
+            counter,
+            threshold_buffer,
+            steps,
+            state: state.clone(),
+            counter_word,
+            thresholds: thresholds_words,
+        }))
+    }
+}
+
+/// The stamp of the last collapse done in each cluster, 0 for none.
+fn thresholds(clusters: &Clusters, counts: &[u32]) -> Vec<u32> {
+    let stamp = |(cluster, &count): (&crate::simplify::Cluster, &u32)| {
+        count
+            .checked_sub(1)
+            .map_or(0, |last| cluster.ops[last as usize] + 1)
+    };
+    clusters.clusters.iter().zip(counts).map(stamp).collect()
+}
+
+#[derive(Debug)]
+struct StampsResident {
+    crown: Arc<Crown>,
+    gather: Gather,
+    counter: BufferId,
+    threshold_buffer: BufferId,
+    steps: Vec<Step>,
+    state: State,
+    /// What the device holds, also where the present state does not read it.
+    counter_word: u32,
+    thresholds: Vec<u32>,
+}
+
+impl Resident for StampsResident {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
+        let clusters = self.crown.clusters();
+        let change = self.change_to(to);
+        let mut words: Vec<(BufferId, u64, [u8; 4], Cause)> = Vec::new();
+        let wanted = match to {
+            State::Uniform { collapses } => *collapses,
+            State::Variable { counts } => {
+                let wanted = thresholds(clusters, counts);
+                for (cluster, (word, held)) in wanted.iter().zip(&self.thresholds).enumerate() {
+                    if word != held {
+                        let cause = Cause::numbered("threshold", index_u32(cluster));
+                        let bytes = word.to_le_bytes();
+                        words.push((self.threshold_buffer, 4 * cluster as u64, bytes, cause));
+                    }
+                }
+                self.thresholds = wanted;
+                VARIABLE
+            }
+        };
+        if wanted != self.counter_word {
+            words.push((self.counter, 0, wanted.to_le_bytes(), Cause::of("counter")));
+            self.counter_word = wanted;
+        }
+        let regions: Vec<Region<'_>> = words
+            .iter()
+            .map(|(buffer, offset, bytes, cause)| Region {
+                buffer: *buffer,
+                offset: *offset,
+                bytes,
+                cause: *cause,
+            })
+            .collect();
+        send(queue, self.gather, &regions)?;
+        self.state = to.clone();
+        Ok(Change {
+            host_records: words.len() as u64,
+            ..change
+        })
+    }
+
+    fn draw(&self, steps: &mut Vec<Step>) {
+        steps.extend_from_slice(&self.steps);
+    }
+}
+
+impl StampsResident {
+    /// What the change means for the clusters; the model itself does not need to know.
+    fn change_to(&self, to: &State) -> Change {
+        let clusters = self.crown.clusters();
+        let mut change = Change::default();
+        for (before, after) in self
+            .state
+            .counts(clusters)
+            .into_iter()
+            .zip(to.counts(clusters))
+        {
+            change.collapses += after.saturating_sub(before);
+            change.splits += before.saturating_sub(after);
+            change.clusters_touched += u32::from(before != after);
+        }
+        change
+    }
+}

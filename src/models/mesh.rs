@@ -1,0 +1,213 @@
+//! The trunk: a plain mesh, the same at every level.
+
+use super::environment::{Environment, INSTANCE_SLOT, Placement, VIEW_SLOT, View};
+use super::surface::upload_texture;
+use crate::gpu::{
+    Bindings, BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, Layout, Program,
+    Residency, Step, TextureId, Usage, VertexCall,
+};
+use crate::math::{Vec2, Vec3, Vec4, index_u32};
+use crate::plant::Mesh;
+use crate::raster::{Blend, Fragment, Geometry, Kernel, MipMap, Pixel, Topology, Wrap};
+
+/// First part of the key of everything that shows a trunk.
+pub const TRUNK_GROUP: u32 = 0;
+
+/// Bytes of one vertex: position, normal (3 × `f32` each), texture coordinate (2 × `f32`).
+const VERTEX_BYTES: u32 = 32;
+
+const CAUSE: Cause = Cause::of("trunk");
+const SURFACE_SLOT: u32 = 2;
+
+/// A trunk on the device.
+#[derive(Debug, Clone)]
+pub struct Trunk {
+    environment: Environment,
+    vertices: BufferId,
+    indices: BufferId,
+    surface: BufferId,
+    texture: Option<TextureId>,
+    corner_count: u32,
+}
+
+impl Trunk {
+    /// Sends a trunk to the device, under the cause `trunk`.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`].
+    pub fn upload(
+        device: &mut Device,
+        environment: &Environment,
+        mesh: &Mesh,
+    ) -> Result<Self, GpuError> {
+        let vertices: Vec<u8> = (0..mesh.positions.len())
+            .flat_map(|vertex| {
+                let (position, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
+                let coordinate = mesh.texture_coordinates[vertex];
+                [position.to_array(), normal.to_array()]
+                    .concat()
+                    .into_iter()
+                    .chain(coordinate.to_array())
+            })
+            .flat_map(f32::to_le_bytes)
+            .collect();
+        let indices: Vec<u8> = mesh
+            .indices
+            .iter()
+            .flat_map(|index| index.to_le_bytes())
+            .collect();
+        let color = mesh.material.base_color;
+        let words = [color[0], color[1], color[2], mesh.material.alpha_cutoff];
+        let surface: Vec<u8> = words.into_iter().flat_map(f32::to_le_bytes).collect();
+        let mut make = |label, usage, bytes: &[u8]| {
+            let size = bytes.len() as u64;
+            let residency = Residency::Device;
+            let buffer = device.create_buffer(&BufferDescriptor {
+                label,
+                size,
+                usage,
+                residency,
+            })?;
+            device.queue().write(buffer, 0, bytes, CAUSE)?;
+            Ok(buffer)
+        };
+        Ok(Self {
+            environment: *environment,
+            vertices: make("trunk vertices", Usage::VERTEX, &vertices)?,
+            indices: make("trunk indices", Usage::INDEX, &indices)?,
+            surface: make("trunk surface", Usage::STORAGE, &surface)?,
+            texture: match &mesh.material.texture {
+                None => None,
+                Some(texture) => {
+                    let cutoff = mesh.material.alpha_cutoff;
+                    Some(upload_texture(
+                        device,
+                        "trunk texture",
+                        texture,
+                        cutoff,
+                        CAUSE,
+                    )?)
+                }
+            },
+            corner_count: index_u32(mesh.indices.len()),
+        })
+    }
+
+    /// Draws the trunk of one instance.
+    pub fn draw(&self, instance: u32, steps: &mut Vec<Step>) {
+        steps.extend(self.environment.bind(self.environment.mesh));
+        steps.push(Step::Vertices(self.vertices));
+        steps.push(Step::Indices(self.indices));
+        steps.push(Step::Storage {
+            slot: SURFACE_SLOT,
+            buffer: self.surface,
+        });
+        if let Some(texture) = self.texture {
+            steps.push(Step::Texture { slot: 0, texture });
+        } else {
+            steps.push(Step::NoTexture { slot: 0 });
+        }
+        steps.push(Step::Draw(Draw {
+            source: Corners::Indexed,
+            first_corner: 0,
+            corner_count: self.corner_count,
+            instance,
+            group: TRUNK_GROUP,
+        }));
+    }
+}
+
+/// The program that draws meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct MeshProgram;
+
+impl Program for MeshProgram {
+    fn layout(&self) -> Layout {
+        Layout {
+            name: "mesh",
+            version: 1,
+            topology: Topology::TriangleList,
+            blend: Blend::Opaque,
+            vertex_stride: VERTEX_BYTES,
+            storage_slots: 3,
+            texture_slots: 0,
+        }
+    }
+
+    fn vertex_stage(&self, call: &VertexCall<'_>, geometry: &mut Geometry) {
+        let view = View::read(call.bindings.storage(VIEW_SLOT as usize));
+        let placements = call.bindings.storage(INSTANCE_SLOT as usize);
+        let placement = Placement::from_words(placements.f32s(8 * call.instance as usize));
+        let vertices = call.bindings.vertices();
+        let mut unique = call.corners.to_vec();
+        unique.sort_unstable();
+        unique.dedup();
+        for &vertex in &unique {
+            let [x, y, z, nx, ny, nz, u, v] = vertices.f32s((VERTEX_BYTES / 4 * vertex) as usize);
+            let world = placement.to_world(Vec3::new(x, y, z));
+            let normal = placement.rotation * Vec3::new(nx, ny, nz);
+            geometry.clip.push(view.clip_from_world * world.extend(1.0));
+            geometry
+                .varyings
+                .extend([u, v, normal.x, normal.y, normal.z]);
+        }
+        geometry.corners.extend(call.corners.iter().map(|corner| {
+            index_u32(
+                unique
+                    .binary_search(corner)
+                    .expect("every corner is among the unique ones"),
+            )
+        }));
+        geometry.vertex_ids = unique;
+    }
+
+    fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
+        let view = View::read(bindings.storage(VIEW_SLOT as usize));
+        let [r, g, b, alpha_cutoff] = bindings.storage(SURFACE_SLOT as usize).f32s(0);
+        Box::new(MeshFragment {
+            texture: bindings.texture(0),
+            base_color: Vec3::new(r, g, b),
+            alpha_cutoff,
+            view,
+        })
+    }
+}
+
+/// Textured, lit by an interpolated normal on the side that is seen.
+#[derive(Debug)]
+struct MeshFragment<'a> {
+    texture: Option<&'a MipMap>,
+    base_color: Vec3,
+    alpha_cutoff: f32,
+    view: View,
+}
+
+impl Fragment for MeshFragment<'_> {
+    const VARYINGS: usize = 5;
+    const FLATS: usize = 0;
+    const TESTS_ALPHA: bool = true;
+
+    fn keeps(&self, pixel: &Pixel<'_>) -> bool {
+        let Some(texture) = self.texture.filter(|_| self.alpha_cutoff > 0.0) else {
+            return true;
+        };
+        let level = texture.level_for(pixel.derivative_x, pixel.derivative_y);
+        let coordinate = Vec2::new(pixel.varyings[0], pixel.varyings[1]);
+        texture.alpha(coordinate, level, Wrap::Repeat) >= self.alpha_cutoff
+    }
+
+    fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
+        let [u, v, nx, ny, nz, ..] = *pixel.varyings;
+        let texel = self.texture.map_or(Vec3::ONE, |texture| {
+            let level = texture.level_for(pixel.derivative_x, pixel.derivative_y);
+            texture
+                .sample(Vec2::new(u, v), level, Wrap::Repeat)
+                .truncate()
+        });
+        let normal = Vec3::new(nx, ny, nz).normalize_or_zero();
+        let normal = if pixel.front { normal } else { -normal };
+        let light = self.view.ambient + self.view.light * normal.dot(self.view.to_light).max(0.0);
+        (self.base_color * texel * light).extend(1.0)
+    }
+}

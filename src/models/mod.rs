@@ -1,0 +1,262 @@
+//! Level-of-detail models: what each keeps on the device, and what a change of detail sends.
+//!
+//! ```text
+//!  offline                   once a species      once an instance      every frame
+//! Crown ─Kind::model─▶ Model ──upload──▶ Shared ──instance(State)──▶ Resident ─┬─ commit(State)
+//!  (leaves, collapses,                                                        └─ draw ─▶ steps
+//!   clusters)                                    select(view) ─▶ State
+//! ```
+//!
+//! A [`State`] says which leaves show and fully describes what a resident model holds; `select` may
+//! remember what it likes, `commit` may not. Every model and mode shows the same leaves for the
+//! same state, so their pictures are equal bit for bit; they differ in what crosses the bus.
+//!
+//! | kind | resident on the device | what one change sends |
+//! |---|---|---|
+//! | [`Kind::Full`] | vertices | nothing: always full detail |
+//! | [`Kind::VdfHost`] | nothing | nothing; every draw fetches 64 B a visible leaf |
+//! | [`Kind::VdfIndices`] | vertices, one index list | 16 B a visible leaf, all of them |
+//! | [`Kind::LodfHost`] | nothing | nothing; every draw fetches 64 B a visible leaf |
+//! | [`Kind::LodfCluster`] | vertices, a block of records a cluster | 16 B an active leaf of each changed cluster, and its count (4 B) |
+//! | [`Kind::LodfSlots`] | the same | at most two records (32 B) a collapse or split, and the count (4 B) a changed cluster |
+//! | [`Kind::LodfStamps`] | vertices, every record once with its birth | 4 B; 4 B a changed cluster between variable states |
+//! | [`Kind::LodfLiteral`] | as `LodfCluster` | as `LodfCluster`, of the papers' static list: wrong leaves |
+//!
+//! **Invariant.** A model reaches the device only through [`Queue`], so its ledger is complete by
+//! construction; no model names `raster` but for its programs' stages.
+
+mod crown;
+mod environment;
+mod full;
+mod leaf;
+mod lodf;
+mod mesh;
+mod select;
+mod state;
+mod surface;
+mod vdf;
+
+use std::sync::Arc;
+
+pub use crown::Crown;
+pub use environment::{Environment, Placement, View};
+pub use lodf::{Extraction, Gather};
+pub use mesh::{TRUNK_GROUP, Trunk};
+pub use select::{Criterion, Extent, level, select};
+pub use state::State;
+pub use surface::LEAF_GROUP;
+
+use crate::gpu::{Device, GpuError, Queue, Step};
+
+/// A level-of-detail model of one crown: immutable, made offline.
+pub trait Model: Send + Sync + std::fmt::Debug {
+    /// Which model this is.
+    fn kind(&self) -> Kind;
+
+    /// What it is a model of.
+    fn crown(&self) -> &Arc<Crown>;
+
+    /// The leaves that are drawn in a state, in the order of drawing.
+    fn drawn(&self, state: &State) -> Vec<u32>;
+
+    /// Sends what all instances share.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`], or [`GpuError::Unsupported`] for foliage with too many textures.
+    fn upload(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+    ) -> Result<Box<dyn Shared>, GpuError>;
+
+    /// The structures that it keeps in host memory, as bytes in the order in which they are listed
+    /// in the type's documentation; their length is [`Storage::host_bytes`].
+    fn host_bytes(&self) -> Vec<u8>;
+
+    /// What it takes to keep it.
+    fn storage(&self) -> Storage;
+}
+
+/// What all instances of a model share on a device.
+pub trait Shared: std::fmt::Debug {
+    /// Makes an instance in a state: sends what it alone holds, as if it had always been there.
+    /// `number` names its placement and is the second part of its key.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`].
+    fn instance(
+        &self,
+        device: &mut Device,
+        state: &State,
+        number: u32,
+    ) -> Result<Box<dyn Resident>, GpuError>;
+}
+
+/// One instance on a device.
+pub trait Resident: std::fmt::Debug {
+    /// What it shows.
+    fn state(&self) -> &State;
+
+    /// Goes over to another state, sending what differs.
+    ///
+    /// # Errors
+    ///
+    /// None on the device that it lives on.
+    fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError>;
+
+    /// Adds the steps that draw it.
+    fn draw(&self, steps: &mut Vec<Step>);
+}
+
+/// What a change of state took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Change {
+    /// Collapses done.
+    pub collapses: u32,
+    /// Splits done.
+    pub splits: u32,
+    /// Clusters whose detail changed.
+    pub clusters_touched: u32,
+    /// Records of level-of-detail structures read and written on the host.
+    pub host_records: u64,
+}
+
+impl Change {
+    /// Adds what another change took.
+    pub fn add(&mut self, other: &Self) {
+        self.collapses += other.collapses;
+        self.splits += other.splits;
+        self.clusters_touched += other.clusters_touched;
+        self.host_records += other.host_records;
+    }
+}
+
+/// What it takes to keep a model, in bytes, without textures and materials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Storage {
+    /// In host memory, once a species.
+    pub host_bytes: u64,
+    /// In device memory, once a species.
+    pub shared_bytes: u64,
+    /// In device memory, once an instance.
+    pub instance_bytes: u64,
+}
+
+/// All models and modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// No level of detail: the yardstick.
+    Full,
+    /// VDF as its paper has it: everything in host memory.
+    VdfHost,
+    /// VDF as well as it can be done on a device: vertices there, the index list sent anew.
+    VdfIndices,
+    /// LoDF, "not hardware-oriented".
+    LodfHost,
+    /// LoDF, "hardware-oriented": changed clusters are sent whole.
+    LodfCluster,
+    /// LoDF with slots of which only those that change are sent.
+    LodfSlots,
+    /// LoDF with stamped records of which nothing is sent but a counter.
+    LodfStamps,
+    /// LoDF with the papers' static list, which shows wrong leaves.
+    LodfLiteral,
+}
+
+impl Kind {
+    /// Every kind that shows the right leaves at every level.
+    pub const SOUND: [Self; 7] = [
+        Self::Full,
+        Self::VdfHost,
+        Self::VdfIndices,
+        Self::LodfHost,
+        Self::LodfCluster,
+        Self::LodfSlots,
+        Self::LodfStamps,
+    ];
+
+    /// Every kind.
+    pub const ALL: [Self; 8] = [
+        Self::Full,
+        Self::VdfHost,
+        Self::VdfIndices,
+        Self::LodfHost,
+        Self::LodfCluster,
+        Self::LodfSlots,
+        Self::LodfStamps,
+        Self::LodfLiteral,
+    ];
+
+    /// The name of the model and the name of its mode, as in scene files.
+    #[must_use]
+    pub fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Full => ("full", "resident"),
+            Self::VdfHost => ("vdf", "host"),
+            Self::VdfIndices => ("vdf", "indices"),
+            Self::LodfHost => ("lodf", "host"),
+            Self::LodfCluster => ("lodf", "cluster"),
+            Self::LodfSlots => ("lodf", "slots"),
+            Self::LodfStamps => ("lodf", "stamps"),
+            Self::LodfLiteral => ("lodf", "literal"),
+        }
+    }
+
+    /// Name and mode in one word, such as `lodf-slots`.
+    #[must_use]
+    pub fn label(self) -> String {
+        let (name, mode) = self.names();
+        if self == Self::Full {
+            name.to_owned()
+        } else {
+            format!("{name}-{mode}")
+        }
+    }
+
+    /// The kind with these names.
+    #[must_use]
+    pub fn named(name: &str, mode: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.names() == (name, mode))
+    }
+
+    /// The kind with this label.
+    #[must_use]
+    pub fn labelled(label: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.label() == label)
+    }
+
+    /// Whether it can show anything but full detail.
+    #[must_use]
+    pub fn has_levels(self) -> bool {
+        self != Self::Full
+    }
+
+    /// The model of this kind for a crown.
+    #[must_use]
+    pub fn model(self, crown: &Arc<Crown>, options: ModelOptions) -> Box<dyn Model> {
+        let crown = Arc::clone(crown);
+        match self {
+            Self::Full => Box::new(full::Full::new(crown)),
+            Self::VdfHost => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Host)),
+            Self::VdfIndices => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Indices)),
+            Self::LodfHost => Box::new(lodf::Host::new(crown, options)),
+            Self::LodfCluster => Box::new(lodf::Blocks::new(crown, lodf::Order::Repaired, options)),
+            Self::LodfLiteral => Box::new(lodf::Blocks::new(crown, lodf::Order::Literal, options)),
+            Self::LodfSlots => Box::new(lodf::Slots::new(crown, options)),
+            Self::LodfStamps => Box::new(lodf::Stamps::new(crown, options)),
+        }
+    }
+}
+
+/// How models work where they have a choice; no choice changes what is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ModelOptions {
+    /// One operation at a time, or batched by cluster.
+    pub extraction: Extraction,
+    /// Slots as single writes or gathered.
+    pub gather: Gather,
+}

@@ -1,0 +1,62 @@
+//! How much detail is shown: all that decides what a resident model holds on the device.
+
+use crate::simplify::Clusters;
+
+/// A cut through the forest of leaves: fully describes a model's resident content.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum State {
+    /// The first `collapses` of the sequence are done.
+    Uniform {
+        /// How many.
+        collapses: u32,
+    },
+    /// Every cluster has its own number of collapses done.
+    Variable {
+        /// How many, a cluster.
+        counts: Vec<u32>,
+    },
+}
+
+impl State {
+    /// Full detail.
+    pub const FINEST: Self = Self::Uniform { collapses: 0 };
+
+    /// The collapses done in each cluster.
+    #[must_use]
+    pub fn counts(&self, clusters: &Clusters) -> Vec<u32> {
+        match self {
+            Self::Uniform { collapses } => clusters.uniform(*collapses),
+            Self::Variable { counts } => counts.clone(),
+        }
+    }
+
+    /// The visible leaves, cluster by cluster, in array order.
+    #[must_use]
+    pub fn visible(&self, clusters: &Clusters) -> Vec<u32> {
+        let counts = self.counts(clusters);
+        let shown = clusters.clusters.iter().zip(&counts);
+        shown
+            .flat_map(|(cluster, &count)| cluster.visible(count))
+            .collect()
+    }
+
+    /// How many leaves are visible.
+    #[must_use]
+    pub fn leaf_count(&self, clusters: &Clusters) -> u32 {
+        let originals: u32 = clusters
+            .clusters
+            .iter()
+            .map(|cluster| cluster.original_count())
+            .sum();
+        originals - self.collapse_count()
+    }
+
+    /// How many collapses are done over all clusters.
+    #[must_use]
+    pub fn collapse_count(&self) -> u32 {
+        match self {
+            Self::Uniform { collapses } => *collapses,
+            Self::Variable { counts } => counts.iter().sum(),
+        }
+    }
+}

@@ -1,0 +1,385 @@
+//! VDF, the papers' rival: a list of active leaves, refined and coarsened leaf by leaf
+//! ([RC03](crate::references); its internals are a reconstruction from the byte counts of
+//! [RRCGR](crate::references), Table II).
+//!
+//! Every leaf, old or new, keeps its four vertices, its parent and its two children: 28 bytes. The
+//! list of active leaves is ordered: a split replaces a leaf by its two children where it stands, a
+//! collapse the other way round, so the order is that of a walk through the trees and depends on
+//! nothing but the cut.
+
+use std::sync::Arc;
+
+use super::lodf::HostList;
+use super::surface::{LEAF_GROUP, LeafDraw, Surface};
+use super::{Change, Crown, Environment, Kind, Model, Resident, Shared, State, Storage};
+use crate::gpu::{
+    BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
+    Queue, Residency, Step, Usage,
+};
+use crate::math::index_u32;
+
+/// Where VDF keeps what it draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Transfer {
+    /// In host memory, as written: every draw pulls 64 bytes a visible leaf.
+    Host,
+    /// Vertices on the device; the list of records is sent whole when it changes.
+    Indices,
+}
+
+/// VDF.
+///
+/// Host memory: 12 bytes a vertex (for `Host`), then 28 bytes a leaf, old or new. Device memory for
+/// `Indices`: 12 bytes a vertex once; 16 bytes an original leaf and 16 bytes of draw arguments for
+/// each instance.
+#[derive(Debug)]
+pub(super) struct Vdf {
+    crown: Arc<Crown>,
+    transfer: Transfer,
+    links: Arc<Vec<Links>>,
+}
+
+/// Where a leaf stands in its tree; [`NONE`] for no leaf.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Links {
+    parent: u32,
+    children: [u32; 2],
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Vdf {
+    pub(super) fn new(crown: Arc<Crown>, transfer: Transfer) -> Self {
+        let sequence = crown.sequence();
+        let alone = Links {
+            parent: NONE,
+            children: [NONE; 2],
+        };
+        let mut links = vec![alone; sequence.record_count() as usize];
+        for (op, collapse) in (0..).zip(sequence.collapses()) {
+            let new = sequence.new_leaf(op);
+            links[new as usize].children = collapse.old;
+            for old in collapse.old {
+                links[old as usize].parent = new;
+            }
+        }
+        Self {
+            transfer,
+            links: Arc::new(links),
+            crown,
+        }
+    }
+
+    /// The active leaves of a state, in the order of the list.
+    fn active(crown: &Crown, links: &[Links], state: &State) -> Vec<u32> {
+        let mut visible = vec![false; links.len()];
+        for leaf in state.visible(crown.clusters()) {
+            visible[leaf as usize] = true;
+        }
+        let mut active = Vec::new();
+        for cluster in &crown.clusters().clusters {
+            let root = cluster
+                .records
+                .last()
+                .expect("a cluster has at least its root")
+                .leaf;
+            let mut pending = vec![root];
+            while let Some(leaf) = pending.pop() {
+                if visible[leaf as usize] {
+                    active.push(leaf);
+                } else {
+                    let [first, second] = links[leaf as usize].children;
+                    pending.extend([second, first]);
+                }
+            }
+        }
+        active
+    }
+}
+
+impl Model for Vdf {
+    fn kind(&self) -> Kind {
+        match self.transfer {
+            Transfer::Host => Kind::VdfHost,
+            Transfer::Indices => Kind::VdfIndices,
+        }
+    }
+
+    fn crown(&self) -> &Arc<Crown> {
+        &self.crown
+    }
+
+    fn drawn(&self, state: &State) -> Vec<u32> {
+        Self::active(&self.crown, &self.links, state)
+    }
+
+    fn upload(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+    ) -> Result<Box<dyn Shared>, GpuError> {
+        let residency = match self.transfer {
+            Transfer::Host => Residency::Host,
+            Transfer::Indices => Residency::Device,
+        };
+        let surface = Surface::upload(device, environment, &self.crown, residency)?;
+        Ok(Box::new(VdfShared {
+            crown: Arc::clone(&self.crown),
+            transfer: self.transfer,
+            links: Arc::clone(&self.links),
+            surface,
+        }))
+    }
+
+    fn host_bytes(&self) -> Vec<u8> {
+        let mut bytes = match self.transfer {
+            Transfer::Host => self.crown.vertex_bytes(),
+            Transfer::Indices => Vec::new(),
+        };
+        for (leaf, links) in (0..).zip(self.links.iter()) {
+            bytes.extend(self.crown.record_bytes(leaf));
+            let words = [links.parent, links.children[0], links.children[1]];
+            bytes.extend(words.into_iter().flat_map(u32::to_le_bytes));
+        }
+        bytes
+    }
+
+    fn storage(&self) -> Storage {
+        let vertices = 12 * self.crown.vertices().len() as u64;
+        let leaves = 28 * u64::from(self.crown.sequence().record_count());
+        match self.transfer {
+            Transfer::Host => Storage {
+                host_bytes: vertices + leaves,
+                shared_bytes: 0,
+                instance_bytes: 0,
+            },
+            Transfer::Indices => Storage {
+                host_bytes: leaves,
+                shared_bytes: vertices,
+                instance_bytes: 16 * u64::from(self.crown.sequence().original_count())
+                    + IndirectRecord::STRIDE,
+            },
+        }
+    }
+}
+
+#[derive(Debug)]
+struct VdfShared {
+    crown: Arc<Crown>,
+    transfer: Transfer,
+    links: Arc<Vec<Links>>,
+    surface: Surface,
+}
+
+impl Shared for VdfShared {
+    fn instance(
+        &self,
+        device: &mut Device,
+        state: &State,
+        number: u32,
+    ) -> Result<Box<dyn Resident>, GpuError> {
+        let active = Vdf::active(&self.crown, &self.links, state);
+        let list = match self.transfer {
+            Transfer::Host => {
+                let list = HostList::create(device, &self.crown, &self.surface, number)?;
+                list.write(&mut device.queue(), &self.crown, &active)?;
+                List::Host(list)
+            }
+            Transfer::Indices => List::Device(self.create_list(device, number, &active)?),
+        };
+        Ok(Box::new(VdfResident {
+            active: ActiveList::of(&active, self.links.len()),
+            crown: Arc::clone(&self.crown),
+            links: Arc::clone(&self.links),
+            list,
+            state: state.clone(),
+        }))
+    }
+}
+
+impl VdfShared {
+    fn create_list(
+        &self,
+        device: &mut Device,
+        number: u32,
+        active: &[u32],
+    ) -> Result<DeviceList, GpuError> {
+        let mut buffer = |label, size, usage| {
+            let residency = Residency::Device;
+            device.create_buffer(&BufferDescriptor {
+                label,
+                size,
+                usage,
+                residency,
+            })
+        };
+        let size = 16 * u64::from(self.crown.sequence().original_count());
+        let records = buffer("leaf list", size, Usage::INDEX)?;
+        let arguments = buffer("draw arguments", IndirectRecord::STRIDE, Usage::INDIRECT)?;
+        let record = IndirectRecord {
+            corner_count: 4 * index_u32(active.len()),
+            instances: 1,
+            first_corner: 0,
+            instance: number,
+        };
+        let bytes = self.crown.records_bytes(active.iter().copied());
+        let mut queue = device.queue();
+        queue.write(records, 0, &bytes, Cause::of("records"))?;
+        queue.write(arguments, 0, &record.to_bytes(), Cause::of("records"))?;
+        let mut steps = Vec::new();
+        self.surface.bind(LeafDraw::Indexed, &mut steps);
+        steps.push(Step::Vertices(self.surface.vertices));
+        steps.push(Step::Indices(records));
+        steps.push(Step::DrawIndirect(DrawIndirect {
+            source: Corners::Indexed,
+            arguments,
+            offset: 0,
+            count: 1,
+            group: LEAF_GROUP,
+        }));
+        Ok(DeviceList {
+            records,
+            arguments,
+            steps,
+        })
+    }
+}
+
+#[derive(Debug)]
+enum List {
+    Host(HostList),
+    Device(DeviceList),
+}
+
+#[derive(Debug)]
+struct DeviceList {
+    records: BufferId,
+    arguments: BufferId,
+    steps: Vec<Step>,
+}
+
+#[derive(Debug)]
+struct VdfResident {
+    crown: Arc<Crown>,
+    links: Arc<Vec<Links>>,
+    list: List,
+    active: ActiveList,
+    state: State,
+}
+
+impl Resident for VdfResident {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
+        let crown = Arc::clone(&self.crown);
+        let clusters = crown.clusters();
+        // The criterion is evaluated for every active leaf, whatever changes.
+        let mut change = Change {
+            host_records: self.active.len() as u64,
+            ..Change::default()
+        };
+        let counts = self
+            .state
+            .counts(clusters)
+            .into_iter()
+            .zip(to.counts(clusters));
+        for (cluster, (before, after)) in clusters.clusters.iter().zip(counts) {
+            let new_leaf = |op: u32| crown.sequence().new_leaf(cluster.ops[op as usize]);
+            for op in before..after {
+                self.active.collapse(&self.links, new_leaf(op));
+            }
+            for op in (after..before).rev() {
+                self.active.split(&self.links, new_leaf(op));
+            }
+            change.collapses += after.saturating_sub(before);
+            change.splits += before.saturating_sub(after);
+            change.clusters_touched += u32::from(before != after);
+        }
+        // Three links are read or written for each leaf that comes or goes.
+        change.host_records += 9 * u64::from(change.collapses + change.splits);
+        if change.clusters_touched > 0 {
+            let active: Vec<u32> = self.active.iter().collect();
+            match &self.list {
+                List::Host(list) => list.write(queue, &crown, &active)?,
+                List::Device(list) => {
+                    let bytes = crown.records_bytes(active.iter().copied());
+                    queue.write(list.records, 0, &bytes, Cause::of("index-list"))?;
+                    let count = (4 * index_u32(active.len())).to_le_bytes();
+                    queue.write(list.arguments, 0, &count, Cause::of("draw-count"))?;
+                }
+            }
+        }
+        self.state = to.clone();
+        Ok(change)
+    }
+
+    fn draw(&self, steps: &mut Vec<Step>) {
+        steps.extend_from_slice(match &self.list {
+            List::Host(list) => &list.steps,
+            List::Device(list) => &list.steps,
+        });
+    }
+}
+
+/// The ordered list of active leaves, doubly linked.
+#[derive(Debug, Clone)]
+struct ActiveList {
+    /// The next leaf of each, the first at the place behind the last leaf.
+    next: Vec<u32>,
+    previous: Vec<u32>,
+    len: usize,
+}
+
+impl ActiveList {
+    fn of(active: &[u32], leaf_count: usize) -> Self {
+        let end = index_u32(leaf_count);
+        let mut list = Self {
+            next: vec![NONE; leaf_count + 1],
+            previous: vec![NONE; leaf_count + 1],
+            len: 0,
+        };
+        let ring: Vec<u32> = [end].iter().chain(active).copied().collect();
+        for (place, &leaf) in ring.iter().enumerate() {
+            list.link(leaf, ring[(place + 1) % ring.len()]);
+        }
+        list.len = active.len();
+        list
+    }
+
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    fn link(&mut self, first: u32, second: u32) {
+        self.next[first as usize] = second;
+        self.previous[second as usize] = first;
+    }
+
+    /// Replaces the two children of `new`, which stand side by side, by `new`.
+    fn collapse(&mut self, links: &[Links], new: u32) {
+        let [first, second] = links[new as usize].children;
+        let (before, after) = (self.previous[first as usize], self.next[second as usize]);
+        self.link(before, new);
+        self.link(new, after);
+        self.len -= 1;
+    }
+
+    /// Replaces `new` by its two children.
+    fn split(&mut self, links: &[Links], new: u32) {
+        let [first, second] = links[new as usize].children;
+        let (before, after) = (self.previous[new as usize], self.next[new as usize]);
+        self.link(before, first);
+        self.link(first, second);
+        self.link(second, after);
+        self.len += 1;
+    }
+
+    fn iter(&self) -> impl Iterator<Item = u32> + '_ {
+        let end = index_u32(self.next.len() - 1);
+        let first = self.next[end as usize];
+        std::iter::successors(Some(first), |&leaf| Some(self.next[leaf as usize]))
+            .take_while(move |&leaf| leaf != end)
+    }
+}

@@ -1,0 +1,69 @@
+//! The frame loop: a scene, its plants, a model and a device become frames and their ledgers.
+//!
+//! ```text
+//! Scene ─World::build─▶ World ─Session::new─▶ Session ─┬─ frame(n): select, commit, draw, count
+//!            (offline)           (uploads)             └─▶ Frame { image, ledger, change, states }
+//! ```
+//!
+//! **Invariant.** What a frame shows and counts depends on the scene and the frame's number alone:
+//! every session commits every frame in order, also those that it does not draw.
+
+mod progress;
+mod session;
+mod sweep;
+mod world;
+
+pub use progress::{Progress, Silent};
+pub use session::{Frame, Session, SessionOptions};
+pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
+pub use world::{StandingTree, World, crown};
+
+use crate::document::DocumentError;
+use crate::gpu::GpuError;
+use crate::math::Digest;
+use crate::plant::{GrowError, ImportError};
+
+/// Why a run cannot be.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// A species file says something wrong.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// A species cannot grow as it says.
+    #[error("{species}: {source}")]
+    Grow {
+        /// The species file.
+        species: String,
+        /// Why.
+        source: GrowError,
+    },
+    /// A plant file cannot be imported.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The device refused something.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A plant is not the one that the scene pins.
+    #[error("plant {name:?} has digest {found}, but the scene wants {wanted}")]
+    Plant {
+        /// The plant.
+        name: String,
+        /// Its digest.
+        found: Digest,
+        /// The digest in the scene.
+        wanted: Digest,
+    },
+    /// A name in the scene means nothing here.
+    #[error("{what} {found:?} is unknown; known are {known}")]
+    Name {
+        /// The key of the scene, such as `device.link`.
+        key: &'static str,
+        /// What is named.
+        what: &'static str,
+        /// The name.
+        found: String,
+        /// All names.
+        known: String,
+    },
+}

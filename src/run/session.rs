@@ -1,0 +1,378 @@
+//! A scene on a device, frame by frame.
+
+use super::RunError;
+use super::world::World;
+use crate::gpu::{
+    Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, RenderPass, TargetDescriptor,
+    TargetId,
+};
+use crate::math::{Digest, whole_u32};
+use crate::models::{
+    Change, Criterion, Environment, Extent, Extraction, Gather, Kind, ModelOptions, Resident,
+    Shared, State, Trunk, View, select,
+};
+use crate::raster::{Image, Options, Samples, decode_srgb};
+use crate::scene::{self, DetailKind, ImageSize, SampleCount, Scene};
+
+/// What a session takes beside its scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SessionOptions {
+    /// The model and mode.
+    pub kind: Kind,
+    /// Its choices.
+    pub model: ModelOptions,
+    /// Pixels of a frame.
+    pub size: ImageSize,
+    /// Samples a pixel.
+    pub samples: SampleCount,
+    /// The link, for modelled times.
+    pub link: Link,
+    /// The card, for modelled times.
+    pub card: Card,
+    /// Tile size and counters of the rasterizer; they change no picture.
+    pub raster: Options,
+}
+
+impl SessionOptions {
+    /// What the scene asks for.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError::Name`] when the scene names a link, card or mode that does not exist.
+    pub fn of(scene: &Scene, raster: Options) -> Result<Self, RunError> {
+        let unknown = |key, what, found: &str, known: Vec<String>| RunError::Name {
+            key,
+            what,
+            found: found.to_owned(),
+            known: known.join(", "),
+        };
+        let (link, card) = (&scene.device.link, &scene.device.card);
+        let (name, mode) = (scene.model.name.name(), scene.model.mode.name());
+        let modes = || {
+            Kind::ALL
+                .iter()
+                .map(|kind| kind.names())
+                .filter(|names| names.0 == name)
+        };
+        Ok(Self {
+            kind: Kind::named(name, mode).ok_or_else(|| {
+                let known = modes().map(|names| names.1.to_owned()).collect();
+                unknown("model.mode", "mode", mode, known)
+            })?,
+            model: ModelOptions {
+                extraction: match scene.model.extraction {
+                    scene::Extraction::Single => Extraction::Single,
+                    scene::Extraction::Batched => Extraction::Batched,
+                },
+                gather: match scene.model.gather {
+                    scene::Gather::Single => Gather::Single,
+                    scene::Gather::Regions => Gather::Regions,
+                },
+            },
+            size: scene.size,
+            samples: scene.samples,
+            link: Link::named(link).ok_or_else(|| {
+                let known = Link::ALL
+                    .iter()
+                    .map(|link| link.name().to_owned())
+                    .collect();
+                unknown("device.link", "link", link, known)
+            })?,
+            card: Card::named(card).ok_or_else(|| {
+                let known = Card::ALL
+                    .iter()
+                    .map(|card| card.name().to_owned())
+                    .collect();
+                unknown("device.card", "card", card, known)
+            })?,
+            raster,
+        })
+    }
+}
+
+/// A scene on a device.
+#[derive(Debug)]
+pub struct Session<'w> {
+    scene: &'w Scene,
+    world: &'w World,
+    kind: Kind,
+    size: ImageSize,
+    device: Device,
+    environment: Environment,
+    target: TargetId,
+    trunks: Vec<Option<Trunk>>,
+    residents: Vec<Box<dyn Resident>>,
+    initial: Ledger,
+    view: Option<View>,
+}
+
+/// What one frame showed and cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Its number.
+    pub frame: u32,
+    /// The picture.
+    pub image: Image,
+    /// The picture's digest.
+    pub image_digest: Digest,
+    /// Leaves drawn, over all trees.
+    pub leaves: u64,
+    /// Triangles drawn: two a leaf, and the trunks'.
+    pub triangles: u64,
+    /// What the change of detail took.
+    pub change: Change,
+    /// What was moved and drawn.
+    pub ledger: Ledger,
+    /// The state of every tree.
+    pub states: Vec<State>,
+}
+
+impl<'w> Session<'w> {
+    /// Makes a device and sends everything for the first frame's states.
+    ///
+    /// # Errors
+    ///
+    /// What the device refuses, above all for lack of memory.
+    pub fn new(
+        scene: &'w Scene,
+        world: &'w World,
+        options: &SessionOptions,
+    ) -> Result<Self, RunError> {
+        let mut device = Device::new(DeviceDescriptor {
+            memory_bytes: scene.device.memory,
+            link: options.link,
+            card: options.card,
+            raster: options.raster,
+        });
+        let target = device.create_target(&TargetDescriptor {
+            label: "frame",
+            width: options.size.width(),
+            height: options.size.height(),
+            samples: match options.samples {
+                SampleCount::One => Samples::One,
+                SampleCount::Four => Samples::Four,
+            },
+        })?;
+        let trees = crate::math::index_u32(world.trees.len());
+        let environment = Environment::new(&mut device, trees)?;
+        let mut trunks = Vec::new();
+        let mut shared: Vec<Box<dyn Shared>> = Vec::new();
+        for crown in &world.crowns {
+            let trunk = crown.plant().trunk();
+            let trunk = trunk.map(|mesh| Trunk::upload(&mut device, &environment, mesh));
+            trunks.push(trunk.transpose()?);
+            let model = options.kind.model(crown, options.model);
+            shared.push(model.upload(&mut device, &environment)?);
+        }
+        let mut session = Self {
+            scene,
+            world,
+            kind: options.kind,
+            size: options.size,
+            device,
+            environment,
+            target,
+            trunks,
+            residents: Vec::new(),
+            initial: Ledger::default(),
+            view: None,
+        };
+        let states = session.select(0);
+        for ((number, tree), state) in (0..).zip(&world.trees).zip(&states) {
+            environment.place(&mut session.device.queue(), number, &tree.placement)?;
+            let resident = shared[tree.crown].instance(&mut session.device, state, number)?;
+            session.residents.push(resident);
+        }
+        session.initial = session.device.take_ledger();
+        Ok(session)
+    }
+
+    /// What was sent before the first frame.
+    #[must_use]
+    pub fn initial(&self) -> &Ledger {
+        &self.initial
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// The target that frames are drawn into.
+    #[must_use]
+    pub fn target(&self) -> TargetId {
+        self.target
+    }
+
+    /// The state of every tree at a frame.
+    #[must_use]
+    pub fn select(&self, frame: u32) -> Vec<State> {
+        let model = &self.scene.model;
+        let criterion = Criterion {
+            nearest: model.range.d_min(),
+            farthest: model.range.d_max(),
+            extent: match model.detail {
+                DetailKind::Uniform => Extent::Uniform,
+                DetailKind::Variable => Extent::Variable,
+            },
+        };
+        let eye = self.scene.camera.at(frame, self.size).eye;
+        let state = |tree: &super::StandingTree| {
+            let crown = &self.world.crowns[tree.crown];
+            match (self.kind.has_levels(), model.level) {
+                (false, _) => State::FINEST,
+                (true, Some(level)) => {
+                    let all = f64::from(crown.sequence().collapse_count());
+                    State::Uniform {
+                        collapses: whole_u32(f64::from(level) * all),
+                    }
+                }
+                (true, None) => {
+                    // Distances are judged in the world: the plant's own space is scaled.
+                    let scaled = Criterion {
+                        nearest: criterion.nearest / tree.placement.scale,
+                        farthest: criterion.farthest / tree.placement.scale,
+                        ..criterion
+                    };
+                    select(crown, scaled, tree.placement.to_plant(eye))
+                }
+            }
+        };
+        self.world.trees.iter().map(state).collect()
+    }
+
+    /// Goes over to the detail of a frame; what it costs is counted with the next frame drawn, or
+    /// dropped by [`forget`](Self::forget).
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn commit(&mut self, frame: u32) -> Result<Change, RunError> {
+        let states = self.select(frame);
+        self.commit_states(&states)
+    }
+
+    /// Goes over to given states, one a tree.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn commit_states(&mut self, states: &[State]) -> Result<Change, RunError> {
+        let mut change = Change::default();
+        for (resident, state) in self.residents.iter_mut().zip(states) {
+            change.add(&resident.commit(&mut self.device.queue(), state)?);
+        }
+        Ok(change)
+    }
+
+    /// Draws a frame as it is committed.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn draw(&mut self, frame: u32, change: Change) -> Result<Frame, RunError> {
+        self.set_view(frame)?;
+        let mut steps = Vec::new();
+        let mut triangles = 0;
+        let mut leaves = 0;
+        for ((number, tree), resident) in (0..).zip(&self.world.trees).zip(&self.residents) {
+            let crown = &self.world.crowns[tree.crown];
+            if let Some(trunk) = &self.trunks[tree.crown] {
+                trunk.draw(number, &mut steps);
+                triangles += u64::from(
+                    crown
+                        .plant()
+                        .trunk()
+                        .map_or(0, |mesh| mesh.triangle_count()),
+                );
+            }
+            resident.draw(&mut steps);
+            leaves += u64::from(resident.state().leaf_count(crown.clusters()));
+        }
+        triangles += 2 * leaves;
+        let load = Load::Clear {
+            color: decode_srgb(self.scene.background),
+            depth: 1.0,
+        };
+        let label = "frame".to_owned();
+        let pass = RenderPass {
+            label,
+            target: self.target,
+            load,
+            steps,
+        };
+        self.device.queue().submit(&[Command::Render(pass)])?;
+        let image = self.device.present(self.target)?;
+        Ok(Frame {
+            frame,
+            image_digest: image.digest(),
+            image,
+            leaves,
+            triangles,
+            change,
+            ledger: self.device.take_ledger(),
+            states: self
+                .residents
+                .iter()
+                .map(|resident| resident.state().clone())
+                .collect(),
+        })
+    }
+
+    /// Commits and draws one frame.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn frame(&mut self, frame: u32) -> Result<Frame, RunError> {
+        let change = self.commit(frame)?;
+        self.draw(frame, change)
+    }
+
+    /// Commits a frame without drawing it and drops what that cost from the ledger.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn skip(&mut self, frame: u32) -> Result<(), RunError> {
+        self.commit(frame)?;
+        self.set_view(frame)?;
+        self.device.take_ledger();
+        Ok(())
+    }
+
+    /// Sends the view of a frame, if it is another than the last.
+    fn set_view(&mut self, frame: u32) -> Result<(), RunError> {
+        let light = &self.scene.light;
+        let view = View {
+            clip_from_world: self.scene.camera.at(frame, self.size).clip_from_world,
+            to_light: light.towards(),
+            light: light.color,
+            ambient: light.ambient,
+        };
+        if self.view != Some(view) {
+            self.environment.set_view(&mut self.device.queue(), &view)?;
+            self.view = Some(view);
+        }
+        Ok(())
+    }
+
+    /// How many pixels show a leaf, by their first sample.
+    #[must_use]
+    pub fn covered_pixels(&self) -> u64 {
+        let Ok(target) = self.device.inspect_target(self.target) else {
+            return 0;
+        };
+        let rows = 0..target.height();
+        rows.map(|y| {
+            let shows_leaf = |x: &u32| {
+                target
+                    .key(*x, y)
+                    .is_some_and(|key| key.group == crate::models::LEAF_GROUP)
+            };
+            (0..target.width()).filter(shows_leaf).count() as u64
+        })
+        .sum()
+    }
+}

@@ -1,0 +1,289 @@
+//! Walking the axis of detail: every model from full detail to the coarsest in equal steps.
+
+use super::RunError;
+use super::progress::Progress;
+use super::session::{Session, SessionOptions};
+use super::world::World;
+use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
+use crate::math::Digest;
+use crate::models::{Change, Gather, Kind, ModelOptions, State, level};
+use crate::scene::Scene;
+use crate::simplify::measure_leaves;
+
+/// A model with the choices that change what it sends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Variant {
+    /// The model and mode.
+    pub kind: Kind,
+    /// Whether several ranges go in one transfer.
+    pub gathered: bool,
+}
+
+impl Variant {
+    /// Every sound model and mode, slots both ways.
+    pub const ALL: [Self; 8] = [
+        Self {
+            kind: Kind::Full,
+            gathered: false,
+        },
+        Self {
+            kind: Kind::VdfHost,
+            gathered: false,
+        },
+        Self {
+            kind: Kind::VdfIndices,
+            gathered: false,
+        },
+        Self {
+            kind: Kind::LodfHost,
+            gathered: false,
+        },
+        Self {
+            kind: Kind::LodfCluster,
+            gathered: false,
+        },
+        Self {
+            kind: Kind::LodfSlots,
+            gathered: false,
+        },
+        Self {
+            kind: Kind::LodfSlots,
+            gathered: true,
+        },
+        Self {
+            kind: Kind::LodfStamps,
+            gathered: false,
+        },
+    ];
+
+    /// The kind's label, with `-gathered` where ranges are gathered.
+    #[must_use]
+    pub fn label(self) -> String {
+        let label = self.kind.label();
+        if self.gathered {
+            format!("{label}-gathered")
+        } else {
+            label
+        }
+    }
+
+    /// The variant with this label.
+    #[must_use]
+    pub fn labelled(label: &str) -> Option<Self> {
+        let (base, gathered) = match label.strip_suffix("-gathered") {
+            Some(base) => (base, true),
+            None => (label, false),
+        };
+        let kind = Kind::labelled(base)?;
+        // Only slots and stamps ever send several ranges that could be gathered.
+        let gathers = matches!(kind, Kind::LodfSlots | Kind::LodfStamps);
+        (gathers || !gathered).then_some(Self { kind, gathered })
+    }
+}
+
+/// What to walk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepOptions {
+    /// The models.
+    pub variants: Vec<Variant>,
+    /// How many steps there are from 0 to 1, at least 1.
+    pub steps: u32,
+    /// Device, picture and counters; the model is each variant's.
+    pub session: SessionOptions,
+}
+
+/// A walk of several models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The models, in the order asked for.
+    pub models: Vec<SweepModel>,
+}
+
+/// One model's walk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepModel {
+    /// The model.
+    pub variant: Variant,
+    /// The uploads before step 0.
+    pub initial: Ledger,
+    /// Device memory of the model alone, by label, largest first.
+    pub resident: Vec<(String, u64)>,
+    /// Steps `0..=steps`.
+    pub steps: Vec<SweepStep>,
+}
+
+/// One step of a walk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepStep {
+    /// Which step.
+    pub step: u32,
+    /// Leaves shown.
+    pub leaves: u64,
+    /// Triangles shown.
+    pub triangles: u64,
+    /// What the change of detail took.
+    pub change: Change,
+    /// What was moved and drawn.
+    pub ledger: Ledger,
+    /// The picture's digest.
+    pub image_digest: Digest,
+    /// Pixels that show a leaf.
+    pub covered_pixels: u64,
+    /// The summed area of the leaves shown, in square metres.
+    pub leaf_area: f64,
+    /// Leaves shown that are folded.
+    pub folded_leaves: u64,
+}
+
+impl SweepStep {
+    /// Modelled time of a frame: uploads, then fetches, then the card.
+    #[must_use]
+    pub fn frame_ticks(&self) -> Option<Ticks> {
+        let bus = self.ledger.upload.ticks + self.ledger.fetch.ticks;
+        Some(bus + self.ledger.gpu_ticks?)
+    }
+}
+
+impl SweepModel {
+    /// Sums over all steps, without the initial uploads.
+    #[must_use]
+    pub fn totals(&self) -> Ledger {
+        let mut sum = Ledger::default();
+        for step in &self.steps {
+            sum.add(&step.ledger);
+        }
+        sum
+    }
+
+    /// What changing the detail sent over all steps: uploads but for the view.
+    #[must_use]
+    pub fn changes(&self) -> Traffic {
+        self.traffic_on(None, Stream::Upload)
+    }
+
+    /// The traffic of one stream over all steps on another link: the same transfers, other wire
+    /// bytes and times. The view's uploads are left out.
+    #[must_use]
+    pub fn traffic_on(&self, link: Option<Link>, stream: Stream) -> Traffic {
+        let transfers = self.steps.iter().flat_map(|step| &step.ledger.transfers);
+        let mut sum = Traffic::default();
+        for transfer in
+            transfers.filter(|transfer| transfer.stream == stream && transfer.cause.kind != "view")
+        {
+            let payload_bytes = transfer.payload_bytes;
+            let wire_bytes =
+                link.map_or(transfer.wire_bytes, |link| link.wire_bytes(payload_bytes));
+            let ticks = link.map_or(transfer.ticks, |link| match stream {
+                Stream::Upload | Stream::Fetch => link.ticks_down(payload_bytes),
+                Stream::Readback => link.ticks_up(payload_bytes),
+            });
+            sum.add(&Traffic {
+                transfers: 1,
+                payload_bytes,
+                wire_bytes,
+                ticks,
+            });
+        }
+        sum
+    }
+}
+
+/// Walks every model along the axis of detail, seen from the camera of frame 0. Step `i` of `N` stands at
+/// `floor(i · C / N)` collapses of each plant.
+///
+/// # Errors
+///
+/// What the device refuses, above all for lack of memory.
+pub fn sweep(
+    scene: &Scene,
+    world: &World,
+    options: &SweepOptions,
+    progress: &dyn Progress,
+) -> Result<Sweep, RunError> {
+    let mut models = Vec::new();
+    // What is measured depends on the leaves alone, which all models share.
+    let measures: Vec<(f64, u64)> = (0..=options.steps)
+        .map(|step| measure(world, step, options.steps))
+        .collect();
+    for &variant in &options.variants {
+        progress.begin(&variant.label(), u64::from(options.steps) + 1);
+        models.push(walk(scene, world, options, variant, &measures, progress)?);
+    }
+    Ok(Sweep { models })
+}
+
+fn walk(
+    scene: &Scene,
+    world: &World,
+    options: &SweepOptions,
+    variant: Variant,
+    measures: &[(f64, u64)],
+    progress: &dyn Progress,
+) -> Result<SweepModel, RunError> {
+    let gather = if variant.gathered {
+        Gather::Regions
+    } else {
+        Gather::Single
+    };
+    let session_options = SessionOptions {
+        kind: variant.kind,
+        model: ModelOptions {
+            gather,
+            ..options.session.model
+        },
+        ..options.session
+    };
+    // The walk begins at full detail, whatever the distance.
+    let mut finest = scene.clone();
+    finest.model.level = Some(0.0);
+    let mut session = Session::new(&finest, world, &session_options)?;
+    let initial = session.initial().clone();
+    let resident = session.device().resident_by_label();
+    let mut steps = Vec::new();
+    for step in 0..=options.steps {
+        let state = |tree: &super::StandingTree| match variant.kind.has_levels() {
+            true => level(&world.crowns[tree.crown], step, options.steps),
+            false => State::FINEST,
+        };
+        let states: Vec<State> = world.trees.iter().map(state).collect();
+        let change = session.commit_states(&states)?;
+        let frame = session.draw(0, change)?;
+        let (leaf_area, folded_leaves) = match variant.kind.has_levels() {
+            true => measures[step as usize],
+            false => measures[0],
+        };
+        steps.push(SweepStep {
+            step,
+            leaves: frame.leaves,
+            triangles: frame.triangles,
+            change,
+            ledger: frame.ledger,
+            image_digest: frame.image_digest,
+            covered_pixels: session.covered_pixels(),
+            leaf_area,
+            folded_leaves,
+        });
+        progress.step();
+    }
+    Ok(SweepModel {
+        variant,
+        initial,
+        resident,
+        steps,
+    })
+}
+
+/// Area and folded leaves over all trees at a step.
+fn measure(world: &World, step: u32, steps: u32) -> (f64, u64) {
+    let of_crown = |crown: &std::sync::Arc<crate::models::Crown>| {
+        let visible = level(crown, step, steps).visible(crown.clusters());
+        let measure = measure_leaves(crown.vertices(), crown.sequence(), visible);
+        (measure.area, u64::from(measure.folded))
+    };
+    let of_crowns: Vec<(f64, u64)> = world.crowns.iter().map(of_crown).collect();
+    world.trees.iter().fold((0.0, 0), |(area, folded), tree| {
+        let scale = f64::from(tree.placement.scale);
+        let (one_area, one_folded) = of_crowns[tree.crown];
+        (area + one_area * scale * scale, folded + one_folded)
+    })
+}
