@@ -4,6 +4,7 @@
 pub mod document;
 pub mod gpu;
 pub mod math;
+pub mod models;
 pub mod plant;
 pub mod raster;
 pub mod report;

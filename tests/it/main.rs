@@ -1,5 +1,7 @@
 //! Tests of the library through its public face.
 
 mod layering;
+mod model_contracts;
 mod raster;
 mod scene;
+mod support;

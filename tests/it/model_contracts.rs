@@ -183,7 +183,7 @@ fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<()
     let options = options(seed);
     let start = random_state(crown, seed);
     let mut walked = Stage::at(kind, &options, crown, &start, 8);
-    let model = kind.model(crown, &options);
+    let model = kind.model(crown, options);
     let looked_at = [choices.len() - 1, (seed as usize >> 8) % choices.len()];
     for (step, &choice) in choices.iter().enumerate() {
         let state = random_state(crown, choice);
@@ -378,7 +378,7 @@ mod seeded {
         let mut wrong = 0;
         for seed in 0..20 {
             let crown = random_crown(seed, 14, 2);
-            let literal = Kind::LodfLiteral.model(&crown, &OPTIONS);
+            let literal = Kind::LodfLiteral.model(&crown, OPTIONS);
             for collapses in 0..=crown.sequence().collapse_count() {
                 let state = State::Uniform { collapses };
                 wrong +=

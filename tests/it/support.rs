@@ -139,7 +139,7 @@ impl Stage {
     /// A fresh device with an instance in `state`; reads are tracked and writes recorded.
     pub(crate) fn at(
         kind: Kind,
-        options: &ModelOptions,
+        options: ModelOptions,
         crown: &Arc<Crown>,
         state: &State,
         side: u32,
@@ -160,7 +160,7 @@ impl Stage {
         environment
             .place(&mut device.queue(), 0, &Placement::IDENTITY)
             .expect("room for one");
-        let model = kind.model(crown, options);
+        let model = kind.model(crown, *options);
         let shared = model
             .upload(&mut device, &environment)
             .expect("memory suffices");
