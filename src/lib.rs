@@ -8,6 +8,7 @@ pub mod models;
 pub mod plant;
 pub mod raster;
 pub mod report;
+pub mod run;
 pub mod scene;
 pub mod simplify;
 

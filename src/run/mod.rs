@@ -21,7 +21,8 @@ pub use world::{StandingTree, World, crown};
 use crate::document::DocumentError;
 use crate::gpu::GpuError;
 use crate::math::Digest;
-use crate::plant::{GrowError, ImportError};
+use crate::plant::GrowError;
+use crate::plant::gltf::ImportError;
 
 /// Why a run cannot be.
 #[derive(Debug, thiserror::Error)]

@@ -7,7 +7,8 @@ use super::RunError;
 use super::progress::Progress;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement};
-use crate::plant::{ImportOptions, Plant, Species, grow, import};
+use crate::plant::gltf::{ImportOptions, import};
+use crate::plant::{Plant, Species, grow};
 use crate::scene::{PlantSource, Scene, Tree};
 use crate::simplify::{LeafCollapseOptions, collapse_leaves};
 
@@ -105,9 +106,17 @@ fn build_crown(
             (plant, species.stop_leaves)
         }
         PlantSource::File { path, foliage } => {
-            let options = ImportOptions { foliage: foliage.clone() };
+            let options = ImportOptions {
+                foliage: foliage.clone(),
+            };
             let imported = import(&join(folder, path), &options)?;
-            remarks.extend(imported.report.entries.iter().map(|entry| format!("{path}: {entry}")));
+            remarks.extend(
+                imported
+                    .report
+                    .entries
+                    .iter()
+                    .map(|entry| format!("{path}: {entry}")),
+            );
             (imported.plant, None)
         }
     };

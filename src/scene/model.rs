@@ -51,8 +51,12 @@ choices! {
 choices! {
     /// What is resident on the device, and so what a change of detail sends.
     Mode {
+        /// Everything is resident and nothing changes: full detail.
+        Resident = "resident",
         /// Nothing is resident: each draw fetches from host memory.
         Host = "host",
+        /// Vertices and one list of the visible leaves, sent whole when it changes.
+        Indices = "indices",
         /// Vertices and a block of leaf records a cluster: a changed cluster is sent whole.
         Cluster = "cluster",
         /// The same blocks: only the slots that differ are sent.
