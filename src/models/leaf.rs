@@ -7,9 +7,11 @@
 //!   not born yet, or gone already, are left out.
 
 use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
-use crate::gpu::{Bindings, Layout, Program, VertexCall, Words};
+use crate::gpu::{
+    Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
+    VertexCall, Words, Wrap,
+};
 use crate::math::{Mat4, Vec2, Vec3, Vec4, index_u32};
-use crate::raster::{Blend, Fragment, Geometry, Kernel, MipMap, Pixel, Topology, Wrap};
 
 /// The programs that draw leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

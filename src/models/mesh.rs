@@ -3,12 +3,12 @@
 use super::environment::{Environment, INSTANCE_SLOT, Placement, VIEW_SLOT, View};
 use super::surface::upload_texture;
 use crate::gpu::{
-    Bindings, BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, Layout, Program,
-    Residency, Step, TextureId, Usage, VertexCall,
+    Bindings, Blend, BufferDescriptor, BufferId, Cause, Corners, Device, Draw, Fragment, Geometry,
+    GpuError, Kernel, Layout, MipMap, Pixel, Program, Residency, Step, TextureId, Topology, Usage,
+    VertexCall, Wrap,
 };
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
 use crate::plant::Mesh;
-use crate::raster::{Blend, Fragment, Geometry, Kernel, MipMap, Pixel, Topology, Wrap};
 
 /// First part of the key of everything that shows a trunk.
 pub const TRUNK_GROUP: u32 = 0;

@@ -23,7 +23,7 @@
 //! | [`Kind::LodfLiteral`] | as `LodfCluster` | as `LodfCluster`, of the papers' static list: wrong leaves |
 //!
 //! **Invariant.** A model reaches the device only through [`Queue`], so its ledger is complete by
-//! construction; no model names `raster` but for its programs' stages.
+//! construction; no model names `raster`.
 
 mod crown;
 mod environment;

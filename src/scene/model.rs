@@ -51,12 +51,8 @@ choices! {
 choices! {
     /// What is resident on the device, and so what a change of detail sends.
     Mode {
-        /// Everything is resident and nothing changes: full detail.
-        Resident = "resident",
         /// Nothing is resident: each draw fetches from host memory.
         Host = "host",
-        /// Vertices and one list of the visible leaves, sent whole when it changes.
-        Indices = "indices",
         /// Vertices and a block of leaf records a cluster: a changed cluster is sent whole.
         Cluster = "cluster",
         /// The same blocks: only the slots that differ are sent.
@@ -65,6 +61,10 @@ choices! {
         Stamps = "stamps",
         /// The papers' static list as printed, which does not work; a demonstration.
         Literal = "literal",
+        /// VDF only: vertices and one list of the visible leaves, sent whole when it changes.
+        Indices = "indices",
+        /// Without levels only: the vertices, and nothing ever changes.
+        Resident = "resident",
     }
 }
 
@@ -98,12 +98,30 @@ choices! {
     }
 }
 
+impl ModelName {
+    /// The modes that the system has, the usual one first.
+    #[must_use]
+    pub fn modes(self) -> &'static [Mode] {
+        match self {
+            Self::Lodf => &[
+                Mode::Cluster,
+                Mode::Host,
+                Mode::Slots,
+                Mode::Stamps,
+                Mode::Literal,
+            ],
+            Self::Full => &[Mode::Resident],
+            Self::Vdf => &[Mode::Host, Mode::Indices],
+        }
+    }
+}
+
 /// The system that renders the trees, with all its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelChoice {
     /// Which system.
     pub name: ModelName,
-    /// What is resident; whether the system has that mode is for the system to say.
+    /// What is resident: one of the system's [modes](ModelName::modes).
     pub mode: Mode,
     /// How detail is spread.
     pub detail: DetailKind,

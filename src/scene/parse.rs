@@ -247,9 +247,23 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
     let Some(range) = DetailRange::new(d_min, d_max) else {
         return Err(table.refuse("d_max", &format!("more than `d_min`, which is {d_min}")));
     };
+    let model = ModelName::from_name(&name("name")?).expect(NAMED);
+    let mode = match table.get::<String>("mode")? {
+        None => model.modes()[0],
+        Some(mode) => Mode::from_name(&mode).expect(NAMED),
+    };
+    if !model.modes().contains(&mode) {
+        let names: Vec<String> = model
+            .modes()
+            .iter()
+            .map(|mode| format!("{:?}", mode.name()))
+            .collect();
+        let wanted = format!("a mode of {:?}: {}", model.name(), names.join(" or "));
+        return Err(table.refuse("mode", &wanted));
+    }
     Ok(ModelChoice {
-        name: ModelName::from_name(&name("name")?).expect(NAMED),
-        mode: Mode::from_name(&name("mode")?).expect(NAMED),
+        name: model,
+        mode,
         detail: DetailKind::from_name(&name("detail")?).expect(NAMED),
         range,
         extraction: Extraction::from_name(&name("extraction")?).expect(NAMED),

@@ -182,7 +182,7 @@ fn check_partition(crown: &Crown, drawn: &[u32], state: &State) -> Result<(), Te
 fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<(), TestCaseError> {
     let options = options(seed);
     let start = random_state(crown, seed);
-    let mut walked = Stage::at(kind, &options, crown, &start, 8);
+    let mut walked = Stage::at(kind, options, crown, &start, 8);
     let model = kind.model(crown, options);
     let looked_at = [choices.len() - 1, (seed as usize >> 8) % choices.len()];
     for (step, &choice) in choices.iter().enumerate() {
@@ -192,7 +192,7 @@ fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<()
             walked.resident.state() == &state,
             kind.has_levels() || walked.resident.state() == &state
         );
-        let mut fresh = Stage::at(kind, &options, crown, &state, 8);
+        let mut fresh = Stage::at(kind, options, crown, &state, 8);
         check_residency(&mut walked, &mut fresh)?;
         if kind.has_levels() {
             check_partition(crown, &model.drawn(&state), &state)?;
@@ -203,14 +203,14 @@ fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<()
             } else {
                 &State::FINEST
             };
-            let mut walked = Stage::at(kind, &options, crown, &start, SIDE);
+            let mut walked = Stage::at(kind, options, crown, &start, SIDE);
             choices[..=step]
                 .iter()
                 .for_each(|&c| walked.commit(&random_state(crown, c)));
             let payload = walked.device.take_ledger().upload.payload_bytes;
             check_conservation(&mut walked, payload)?;
-            let mut fresh = Stage::at(kind, &options, crown, &state, SIDE);
-            let mut reference = Stage::at(Kind::LodfCluster, &OPTIONS, crown, shown, SIDE);
+            let mut fresh = Stage::at(kind, options, crown, &state, SIDE);
+            let mut reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, shown, SIDE);
             check_image(&mut walked, &mut fresh, &mut reference)?;
         }
     }
@@ -305,8 +305,8 @@ mod seeded {
     }
 
     fn faulty(kind: Kind, crown: &Arc<Crown>, to: &State, fault: Fault) -> Stage {
-        let mut stage = Stage::at(kind, &OPTIONS, crown, &State::FINEST, SIDE);
-        let empty = Stage::at(Kind::Full, &OPTIONS, crown, &State::FINEST, 1).resident;
+        let mut stage = Stage::at(kind, OPTIONS, crown, &State::FINEST, SIDE);
+        let empty = Stage::at(Kind::Full, OPTIONS, crown, &State::FINEST, 1).resident;
         let inner = std::mem::replace(&mut stage.resident, empty);
         stage.resident = Box::new(Faulty {
             inner,
@@ -324,7 +324,7 @@ mod seeded {
         let crown = random_crown(5, 12, 2);
         for kind in Kind::SOUND.into_iter().filter(|kind| kind.has_levels()) {
             let mut walked = faulty(kind, &crown, &HALF, Fault::OffByOne);
-            let mut fresh = Stage::at(kind, &OPTIONS, &crown, &HALF, SIDE);
+            let mut fresh = Stage::at(kind, OPTIONS, &crown, &HALF, SIDE);
             assert!(
                 check_residency(&mut walked, &mut fresh).is_err(),
                 "{kind:?}"
@@ -335,9 +335,9 @@ mod seeded {
     #[test]
     fn images_catch_another_state_and_are_blind_to_the_key() {
         let crown = random_crown(5, 12, 2);
-        let mut reference = Stage::at(Kind::LodfCluster, &OPTIONS, &crown, &HALF, SIDE);
+        let mut reference = Stage::at(Kind::LodfCluster, OPTIONS, &crown, &HALF, SIDE);
         for kind in Kind::SOUND.into_iter().filter(|kind| kind.has_levels()) {
-            let mut fresh = Stage::at(kind, &OPTIONS, &crown, &HALF, SIDE);
+            let mut fresh = Stage::at(kind, OPTIONS, &crown, &HALF, SIDE);
             let mut wrong = faulty(kind, &crown, &HALF, Fault::OffByOne);
             assert!(
                 check_image(&mut wrong, &mut fresh, &mut reference).is_err(),
@@ -355,7 +355,7 @@ mod seeded {
     #[test]
     fn conservation_catches_a_byte_changed_behind_the_bus() {
         let crown = random_crown(5, 12, 2);
-        let mut stage = Stage::at(Kind::LodfSlots, &OPTIONS, &crown, &State::FINEST, SIDE);
+        let mut stage = Stage::at(Kind::LodfSlots, OPTIONS, &crown, &State::FINEST, SIDE);
         stage.commit(&HALF);
         let payload = stage.device.take_ledger().upload.payload_bytes;
         assert!(check_conservation(&mut stage, payload).is_ok());

@@ -136,7 +136,11 @@ fn single_values_out_of_range_are_refused() {
         ),
         (
             ending("[model]\nmode = \"magic\""),
-            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\" or \"literal\"",
+            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\", \"literal\", \"indices\" or \"resident\"",
+        ),
+        (
+            ending("[model]\nname = \"vdf\"\nmode = \"slots\""),
+            "8:8: `model.mode`: found \"slots\", wanted a mode of \"vdf\": \"host\" or \"indices\"",
         ),
         (
             ending("[model]\nlevel = 1.5"),
@@ -408,7 +412,7 @@ direction = [0, 0, -3]
 color = [1, 0.5, 0.25]
 ambient = [0, 0, 0.1]
 [model]
-name = "vdf"
+name = "lodf"
 mode = "slots"
 detail = "variable"
 d_min = 0.1

@@ -160,7 +160,7 @@ impl Stage {
         environment
             .place(&mut device.queue(), 0, &Placement::IDENTITY)
             .expect("room for one");
-        let model = kind.model(crown, *options);
+        let model = kind.model(crown, options);
         let shared = model
             .upload(&mut device, &environment)
             .expect("memory suffices");
