@@ -1,5 +1,6 @@
 //! Tests of the library through its public face.
 
+mod gltf;
 mod layering;
 mod model_contracts;
 mod raster;

@@ -201,11 +201,15 @@ impl<'p> Writer<'p> {
     ) -> usize {
         let positions = self.positions(&group.positions);
         if prototype == PrototypeKind::Needle {
-            let attributes = [(Semantic::Positions, positions)];
-            return self.node(
-                &group.name,
-                primitive(attributes, None, material, Mode::Lines),
-            );
+            let mut attributes = vec![(Semantic::Positions, positions)];
+            if group.material.texture.is_some() {
+                // glTF wants coordinates for a texture; a needle is the image's middle line.
+                let line = (0..group.leaf_count()).flat_map(|_| [0.5, 1.0, 0.5, 0.0]);
+                let coordinates = self.attribute(line, Type::Vec2);
+                attributes.push((Semantic::TexCoords(0), coordinates));
+            }
+            let shown = primitive(attributes, None, material, Mode::Lines);
+            return self.node(&group.name, shown);
         }
         let leaves = 0..group.leaf_count();
         let all = leaves.clone().flat_map(|_| coordinates.iter().copied());

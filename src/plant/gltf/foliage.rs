@@ -64,9 +64,10 @@ impl Leaves {
                 "cards whose two triangles face opposite ways",
             ),
             (
-                ReportKind::Repaired,
+                ReportKind::Guessed,
                 new_diagonals,
-                "cards whose diagonal changed, so that their base lies at the texture's bottom",
+                "cards whose base is not an end of their diagonal: it lies at the texture's bottom, and the other \
+                 diagonal divides them",
             ),
         ] {
             report.add(kind, count, &place, message);

@@ -8,6 +8,7 @@ use super::error::Fault;
 use super::foliage::Leaves;
 use super::material::{Materials, alpha_mode};
 use super::native::{self, Source};
+use super::record::POINTER;
 use super::report::{ImportReport, ReportKind};
 use super::scan::{self, Document};
 use super::scene::{Names, Placed, known_names, place};
@@ -90,6 +91,10 @@ pub fn import_bytes(
             return Ok(Imported { plant, report });
         }
     }
+    if !guess && native::has_record(root) {
+        let message = "the record of the plant as written, since foliage is named: no skeleton";
+        report.add(ReportKind::Dropped, 1, POINTER, message);
+    }
     let (trunk, foliage) =
         detect(root, &opened, guess, &mut materials, &mut report).map_err(in_file)?;
     let name = Path::new(file)
@@ -153,18 +158,10 @@ fn open_all<'r>(
     report: &mut ImportReport,
 ) -> Result<Vec<(Placed, Surface<'r>)>, Fault> {
     let mut opened = Vec::with_capacity(placed.len());
-    let mut corners = 0_u64;
     for placed in placed {
         let Some(surface) = surface::open(root, reader, &placed, report)? else {
             continue;
         };
-        corners += surface.corner_count().max(surface.element_count() as u64);
-        if corners > MAX_CORNERS {
-            return Err(Fault::new(
-                placed.pointer(),
-                format!("{corners} triangle corners so far exceed the limit of {MAX_CORNERS}"),
-            ));
-        }
         report.primitives += 1;
         report.triangles += surface.corner_count() / 3;
         opened.push((placed, surface));
@@ -180,6 +177,7 @@ fn detect(
     materials: &mut Materials<'_, '_>,
     report: &mut ImportReport,
 ) -> Result<(Option<crate::plant::Mesh>, Foliage), Fault> {
+    check_corners(opened)?;
     let mut parts = Vec::with_capacity(opened.len());
     for (placed, surface) in opened {
         let part = surface.load(placed, report)?;
@@ -200,16 +198,16 @@ fn detect(
     }
     let mut leaves = Leaves::default();
     let mut wood = Vec::new();
-    for (part, pieces) in &mut parts {
+    for (part, pieces) in parts {
         match pieces {
-            Some(pieces) => {
+            Some(mut pieces) => {
                 pieces.loosen(&part.positions, &part.coordinates);
-                leaves.add(part, pieces, report);
+                leaves.add(&part, &pieces, report);
             }
-            None => wood.push(&*part),
+            None => wood.push(part),
         }
     }
-    let trunk = super::trunk::join(&wood, materials, report)?;
+    let trunk = super::trunk::join(wood, materials, report)?;
     let foliage = leaves.into_foliage(materials, report)?;
     if foliage.groups.is_empty() && report.triangles > 0 {
         let names = known_names(root);
@@ -217,6 +215,24 @@ fn detect(
         report.add(ReportKind::Missing, 1, "/materials", message);
     }
     Ok((trunk, foliage))
+}
+
+/// Refuses a scene before it takes memory: a small file can place a mesh many times.
+fn check_corners(opened: &[(Placed, Surface<'_>)]) -> Result<(), Fault> {
+    let mut corners = 0_u64;
+    for (placed, surface) in opened {
+        corners += surface.corner_count();
+        if corners > MAX_CORNERS {
+            return Err(Fault::new(
+                placed.pointer(),
+                format!(
+                    "{corners} triangle corners so far exceed the limit of {MAX_CORNERS}; simplify \
+                     the meshes or place fewer"
+                ),
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn has_alpha(root: &Root, material: Option<usize>) -> Result<bool, Fault> {

@@ -36,9 +36,7 @@ pub(super) fn read(
     materials: &mut Materials<'_, '_>,
     report: &mut ImportReport,
 ) -> Option<Plant> {
-    let extras = source.root.extras.as_ref()?;
-    let envelope: Envelope<Box<RawValue>> = serde_json::from_str(extras.get()).ok()?;
-    let record = envelope.spinney?;
+    let record = record(source.root)?;
     // Entries of a failed attempt would be made again by the detection that follows.
     let mut attempt = report.clone();
     match read_record(record.get(), source, materials, &mut attempt) {
@@ -53,6 +51,17 @@ pub(super) fn read(
             None
         }
     }
+}
+
+/// Whether a document has a record of the plant that it was made from.
+pub(super) fn has_record(root: &Root) -> bool {
+    record(root).is_some()
+}
+
+fn record(root: &Root) -> Option<Box<RawValue>> {
+    let extras = root.extras.as_ref()?;
+    let envelope: Envelope<Box<RawValue>> = serde_json::from_str(extras.get()).ok()?;
+    envelope.spinney
 }
 
 fn read_record(

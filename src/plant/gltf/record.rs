@@ -4,14 +4,15 @@
 //! "extras": { "spinney": { "schema": "spinney.gltf/1", "name", "digest", "hidden",
 //!     "skeleton": { "nodes", "branches" } | null,
 //!     "trunk":    { "node", "material", "numbers" } | null,
-//!     "groups": [ { "name", "prototype", "leaves", "node", "material", "numbers", "triangles", "owners" } ] } }
+//!     "groups": [ { "name", "prototype", "leaves", "node", "material",
+//!                   "numbers", "triangles", "owners" } ] } }
 //! ```
 //!
 //! `node` and `material` are glTF indices; the rest are buffer views, `null` where there would be no
 //! byte. All numbers in them are little-endian, 4 bytes each: nodes are x, y, z, radius; branches
 //! are bearer (2³² − 1 for none), level, first node, node count; owners are one number a leaf, as
-//! in [`LeafGroup`]. `numbers` holds base colour and alpha cutoff, then what the prototype states:
-//! texture coordinates, or a needle's diameter.
+//! in [`LeafGroup`](crate::plant::LeafGroup). `numbers` holds base colour and alpha cutoff, then
+//! what the prototype states: texture coordinates, or a needle's diameter.
 //!
 //! What meshes show is read from the meshes. `digest` is that of the plant, `hidden` that of the
 //! buffer views named here (domain `spinney.gltf/1`, each with its length, in the order above).

@@ -1,9 +1,10 @@
 //! What an import counted, guessed, repaired and left out.
 
+use serde::Serialize;
 use std::fmt;
 
 /// What an import did; prints as a few lines of text.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct ImportReport {
     /// Primitives that the scene places, each placement counted.
     pub primitives: u64,
@@ -22,7 +23,7 @@ pub struct ImportReport {
 }
 
 /// One thing that needs saying.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ReportEntry {
     /// What happened.
     pub kind: ReportKind,
@@ -35,7 +36,8 @@ pub struct ReportEntry {
 }
 
 /// What happened to a part of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum ReportKind {
     /// Decided by a rule of thumb.

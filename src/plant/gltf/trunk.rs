@@ -9,12 +9,12 @@ use std::collections::BTreeMap;
 
 /// Joins parts to one mesh, with the material that most of its triangles have.
 pub(super) fn join(
-    parts: &[&Part],
+    parts: Vec<Part>,
     materials: &mut Materials<'_, '_>,
     report: &mut ImportReport,
 ) -> Result<Option<Mesh>, Fault> {
     let mut counts: BTreeMap<Option<usize>, (u64, String)> = BTreeMap::new();
-    for part in parts {
+    for part in &parts {
         let count = part.triangles.len() as u64;
         let entry = counts.entry(part.placed.material);
         entry.or_insert_with(|| (0, part.placed.pointer())).0 += count;
@@ -46,18 +46,18 @@ pub(super) fn join(
         indices: Vec::new(),
         material,
     };
-    for part in parts {
-        let offset = index_u32(mesh.positions.len());
-        mesh.positions.extend_from_slice(&part.positions);
-        mesh.normals.extend_from_slice(&part.normals);
-        mesh.texture_coordinates
-            .extend_from_slice(&part.coordinates);
-        let indices = part.triangles.iter().flatten().map(|index| index + offset);
-        mesh.indices.extend(indices);
-    }
     let place = parts
         .first()
         .map_or(String::new(), |part| part.placed.pointer());
+    // By value, so that a part's memory is free again once it is joined.
+    for part in parts {
+        let offset = index_u32(mesh.positions.len());
+        mesh.positions.extend(part.positions);
+        mesh.normals.extend(part.normals);
+        mesh.texture_coordinates.extend(part.coordinates);
+        let indices = part.triangles.iter().flatten().map(|index| index + offset);
+        mesh.indices.extend(indices);
+    }
     fill_normals(&mut mesh, &place, report);
     Ok(Some(mesh))
 }

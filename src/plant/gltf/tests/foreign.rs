@@ -235,3 +235,40 @@ fn base64(bytes: &[u8]) -> String {
     });
     groups.collect()
 }
+
+#[test]
+fn wood_of_several_materials_takes_the_one_it_mostly_has() {
+    let mut fixture = Fixture::new();
+    let (positions, indices) = bark();
+    fixture.json["materials"][1] = json!({ "name": "moss" });
+    fixture.mesh(1, &CARD, &[], &[0, 1, 2]);
+    fixture.mesh(0, &positions, &[], &indices);
+    let imported = fixture.import();
+    let trunk = imported.plant.trunk().unwrap();
+    assert_eq!((trunk.positions.len(), trunk.triangle_count()), (11, 9));
+    assert_eq!(trunk.material.name, "bark");
+    let merged: Vec<_> = imported.report.of_kind(ReportKind::Merged).collect();
+    assert_eq!((merged.len(), merged[0].count), (1, 1));
+    assert_eq!(merged[0].place, "/meshes/0/primitives/0");
+}
+
+#[test]
+fn small_integers_are_positions_only_where_the_extension_says_so() {
+    let mut fixture = Fixture::new();
+    let view = fixture.view(&[0, 0, 0, 0, 4, 0, 0, 0, 0, 4, 0, 0]);
+    fixture.json["bufferViews"][view]["byteStride"] = json!(4);
+    let accessor = json!({ "bufferView": view, "componentType": 5120, "count": 3, "type": "VEC3" });
+    let position = fixture.push("accessors", accessor);
+    fixture.primitive("m", &json!({ "attributes": { "POSITION": position } }));
+    assert!(
+        fixture
+            .error()
+            .contains("/accessors/0/componentType: is 5120")
+    );
+    fixture.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+    fixture.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    let plant = fixture.import().plant;
+    let wanted = [Vec3::ZERO, 4.0 * Vec3::X, 4.0 * Vec3::Y];
+    assert_eq!(plant.trunk().unwrap().positions, wanted);
+    assert_eq!(plant.trunk().unwrap().normals, [Vec3::Z; 3]);
+}

@@ -57,7 +57,7 @@ fn own() -> Plant {
         group(
             "leaves",
             quad.clone(),
-            &[CARD, CARD].concat(),
+            &[CARD, CARD.map(|corner| corner + Vec3::Z)].concat(),
             &[0, NO_BRANCH],
         ),
         group("faces", faces, &CARD[..3], &[1]),
@@ -102,6 +102,15 @@ fn a_foreign_plant_is_the_same_from_its_first_import_on() {
     let again = load(&export_glb(&first).unwrap(), &[]).unwrap();
     assert!(again.report.native, "{}", again.report);
     assert_eq!(again.plant.digest(), first.digest());
+}
+
+#[test]
+fn names_win_over_the_record_and_that_is_said() {
+    let imported = load(&export_glb(&own()).unwrap(), &["leaves"]).unwrap();
+    assert!(!imported.report.native && imported.plant.skeleton().is_none());
+    assert_eq!(imported.report.quad_leaves, 2);
+    let mut dropped = imported.report.of_kind(ReportKind::Dropped);
+    assert!(dropped.any(|entry| entry.place == "/extras/spinney"));
 }
 
 /// The written file with its JSON changed.
