@@ -61,11 +61,15 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
         let (triangle, chunk, batch) = tile.triangle(entry);
         let edges = Edges::of(triangle);
         let mut attributes = None;
-        visit_pixels::<SAMPLES>(tile, entry, &edges, |tile, covered| {
+        let Some(pixels) = tile.pixels_of(triangle) else {
+            continue;
+        };
+        visit_pixels::<SAMPLES>(tile.scene.samples, &edges, pixels, |covered| {
+            let first = tile.index(covered.x, covered.y) * SAMPLES;
             let mut nearer = 0_u32;
             for sample in 0..SAMPLES {
-                let depth = depth_at(triangle, coordinates(covered.samples[sample])).to_bits();
-                let passes = depth < tile.depth[covered.index * SAMPLES + sample];
+                let depth = depth_at(triangle, covered.at(sample)).to_bits();
+                let passes = depth < tile.depth[first + sample];
                 nearer |= u32::from(passes) << sample;
             }
             nearer &= covered.mask;
@@ -79,7 +83,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
             let centre = coordinates(covered.centre);
             let depth = depth_at(triangle, centre);
             let mut killed = false;
-            let colour = attributes.pixel::<F, _>(centre, covered.position, depth, |pixel| {
+            let colour = attributes.pixel::<F, _>(centre, covered.position(), depth, |pixel| {
                 killed = F::TESTS_ALPHA && !kernel.keeps(pixel);
                 (!killed && nearer != 0).then(|| kernel.shade(pixel))
             });
@@ -100,7 +104,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
             tile.work.visible += u64::from(nearer.count_ones());
             for sample in 0..SAMPLES {
                 if nearer >> sample & 1 == 1 {
-                    let there = &mut tile.colour[covered.index * SAMPLES + sample];
+                    let there = &mut tile.colour[first + sample];
                     *there = over(colour, *there);
                 }
             }

@@ -21,9 +21,7 @@ pub enum Wrap {
 /// `k` has `max(1, side >> k)` texels a side. The bytes are the truth: every read decodes them.
 #[derive(Clone)]
 pub struct MipMap {
-    width: u32,
-    height: u32,
-    levels: Vec<Vec<u8>>,
+    levels: Vec<Level>,
     decoding: &'static [f32; 256],
 }
 
@@ -46,10 +44,16 @@ impl MipMap {
                 let (width, height) = size_of_level(width, height, level);
                 bytes.len() == 4 * width as usize * height as usize
             });
+        let level = |(bytes, level): (Vec<u8>, u32)| {
+            let (width, height) = size_of_level(width, height, level);
+            Level {
+                width,
+                height,
+                bytes,
+            }
+        };
         fits.then(|| Self {
-            width,
-            height,
-            levels,
+            levels: levels.into_iter().zip(0..).map(level).collect(),
             decoding: colour::decoding(),
         })
     }
@@ -69,13 +73,14 @@ impl MipMap {
     /// Width and height of a level in texels; the last level's for levels after it.
     #[must_use]
     pub fn level_size(&self, level: u32) -> (u32, u32) {
-        size_of_level(self.width, self.height, self.nearest_level(level))
+        let level = self.level(level);
+        (level.width, level.height)
     }
 
     /// The bytes of a level; the last level's for levels after it.
     #[must_use]
     pub fn level_bytes(&self, level: u32) -> &[u8] {
-        &self.levels[self.nearest_level(level) as usize]
+        &self.level(level).bytes
     }
 
     /// Replaces bytes of a level from byte `offset` on, and says whether they fit; where they do
@@ -86,7 +91,7 @@ impl MipMap {
         let place = self
             .levels
             .get_mut(level as usize)
-            .and_then(|level| level.get_mut(range));
+            .and_then(|level| level.bytes.get_mut(range));
         match place {
             Some(place) => {
                 place.copy_from_slice(bytes);
@@ -99,9 +104,10 @@ impl MipMap {
     /// One texel, in linear light with straight alpha; beyond the rim the nearest texel.
     #[must_use]
     pub fn texel(&self, level: u32, x: u32, y: u32) -> Vec4 {
-        let (width, height) = self.level_size(level);
-        let at = 4 * (y.min(height - 1) as usize * width as usize + x.min(width - 1) as usize);
-        let colour = self.raw(self.level_bytes(level), at);
+        let level = self.level(level);
+        let (x, y) = (x.min(level.width - 1), y.min(level.height - 1));
+        let at = 4 * (y as usize * level.width as usize + x as usize);
+        let colour = self.raw(&level.bytes, at);
         Vec4::new(colour.x, colour.y, colour.z, colour.w / 255.0)
     }
 
@@ -111,9 +117,11 @@ impl MipMap {
     /// beyond ±2³¹ texels give some texel.
     #[must_use]
     pub fn sample(&self, uv: Vec2, level: u32, wrap: Wrap) -> Vec4 {
-        let square = self.square(uv, level, wrap);
-        let bytes = self.level_bytes(level);
-        let [a, b, c, d] = square.at.map(|at| self.raw(bytes, at));
+        let level = self.level(level);
+        let square = level.square(uv, wrap);
+        let read = |at| self.raw(&level.bytes, at);
+        let [a, b, c, d] = square.at;
+        let (a, b, c, d) = (read(a), read(b), read(c), read(d));
         let above = a + (b - a) * square.right;
         let below = c + (d - c) * square.right;
         let colour = above + (below - above) * square.down;
@@ -124,9 +132,11 @@ impl MipMap {
     #[must_use]
     #[inline]
     pub fn alpha(&self, uv: Vec2, level: u32, wrap: Wrap) -> f32 {
-        let square = self.square(uv, level, wrap);
-        let bytes = self.level_bytes(level);
-        let [a, b, c, d] = square.at.map(|at| f32::from(bytes[at + 3]));
+        let level = self.level(level);
+        let square = level.square(uv, wrap);
+        let read = |at: usize| f32::from(level.bytes[at + 3]);
+        let [a, b, c, d] = square.at;
+        let (a, b, c, d) = (read(a), read(b), read(c), read(d));
         let above = a + (b - a) * square.right;
         let below = c + (d - c) * square.right;
         (above + (below - above) * square.down) / 255.0
@@ -140,19 +150,21 @@ impl MipMap {
     #[must_use]
     #[inline]
     pub fn level_for(&self, derivative_x: Vec2, derivative_y: Vec2) -> u32 {
+        let Level { width, height, .. } = self.levels[0];
         let length_squared = |change: Vec2| {
-            let (x, y) = (change.x * self.width as f32, change.y * self.height as f32);
+            let (x, y) = (change.x * width as f32, change.y * height as f32);
             x * x + y * y
         };
         let (across, down) = (length_squared(derivative_x), length_squared(derivative_y));
         let longest = if across > down { across } else { down };
         // Below 2 texels squared the exponent is less than 1, and the first level is the nearest.
         let exponent = (longest.to_bits() >> 23).saturating_sub(127);
-        self.nearest_level(exponent.div_ceil(2))
+        exponent.div_ceil(2).min(self.level_count() - 1)
     }
 
-    fn nearest_level(&self, level: u32) -> u32 {
-        level.min(self.level_count() - 1)
+    #[inline]
+    fn level(&self, level: u32) -> &Level {
+        &self.levels[(level as usize).min(self.levels.len() - 1)]
     }
 
     /// Linear colour, and alpha from 0 to 255.
@@ -166,13 +178,29 @@ impl MipMap {
             f32::from(texel[3]),
         )
     }
+}
 
+impl std::fmt::Debug for MipMap {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ((width, height), levels) = (self.level_size(0), self.levels.len());
+        write!(out, "MipMap({width} × {height}, {levels} levels)")
+    }
+}
+
+/// One size of the image.
+#[derive(Debug, Clone)]
+struct Level {
+    width: u32,
+    height: u32,
+    bytes: Vec<u8>,
+}
+
+impl Level {
     #[inline]
-    fn square(&self, uv: Vec2, level: u32, wrap: Wrap) -> Square {
-        let (width, height) = self.level_size(level);
-        let (left, right, across) = neighbours(uv.x, width, wrap);
-        let (above, below, down) = neighbours(uv.y, height, wrap);
-        let at = |x: u32, y: u32| 4 * (y as usize * width as usize + x as usize);
+    fn square(&self, uv: Vec2, wrap: Wrap) -> Square {
+        let (left, right, across) = neighbours(uv.x, self.width, wrap);
+        let (above, below, down) = neighbours(uv.y, self.height, wrap);
+        let at = |x: u32, y: u32| 4 * (y as usize * self.width as usize + x as usize);
         Square {
             at: [
                 at(left, above),
@@ -183,13 +211,6 @@ impl MipMap {
             right: across,
             down,
         }
-    }
-}
-
-impl std::fmt::Debug for MipMap {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (width, height, levels) = (self.width, self.height, self.levels.len());
-        write!(out, "MipMap({width} × {height}, {levels} levels)")
     }
 }
 

@@ -32,6 +32,7 @@ pub(super) struct Scratch {
     /// Whether this call has drawn the sample in a run before.
     pub(super) drawn: Vec<bool>,
     pub(super) items: Items,
+    order: Order,
     /// Batches of the opaque run with their entries.
     groups: Vec<(u32, Range<usize>)>,
 }
@@ -43,6 +44,7 @@ impl Scratch {
             owner: vec![NOBODY; count],
             drawn: vec![false; count],
             items: Items::default(),
+            order: Order::default(),
             groups: Vec::new(),
         }
     }
@@ -86,24 +88,22 @@ impl<'a> Tile<'a> {
             let batch = &self.scene.batches[number as usize];
             let its_run = self.scene.runs[number as usize];
             if run != Some(its_run) {
-                self.shade_run();
+                self.finish_run();
                 run = Some(its_run);
             }
             match batch.blend {
-                Blend::Opaque => {
-                    batch.kernel.cover(self, entries.clone());
-                    self.scratch.groups.push((number, entries));
-                }
+                Blend::Opaque => self.scratch.groups.push((number, entries)),
                 Blend::Alpha => batch.kernel.blend(self, entries),
             }
         }
-        self.shade_run();
+        self.finish_run();
     }
 
-    /// Shades what the triangles of the opaque run have won.
-    fn shade_run(&mut self) {
+    /// Decides the triangles of the opaque run, then shades what they have won.
+    fn finish_run(&mut self) {
         let groups = std::mem::take(&mut self.scratch.groups);
         if let (Some((_, first)), Some((_, last))) = (groups.first(), groups.last()) {
+            self.cover_run(first.start..last.end);
             self.list_items(first.start..last.end);
             for (batch, entries) in &groups {
                 let kernel = self.scene.batches[*batch as usize].kernel;
@@ -112,6 +112,21 @@ impl<'a> Tile<'a> {
         }
         self.scratch.groups = groups;
         self.scratch.groups.clear();
+    }
+
+    /// Decides opaque triangles, the nearer first: what is hidden is then found so before its alpha
+    /// is tested. No picture depends on the order.
+    fn cover_run(&mut self, entries: Range<usize>) {
+        let mut order = std::mem::take(&mut self.scratch.order);
+        order.sort(entries, |entry| self.triangle(entry).0.depth);
+        let (scene, ids) = (self.scene, self.ids);
+        let batch = |entry: u32| ids[entry as usize].of(&scene.chunks).batch;
+        let same_batch = |a: &u32, b: &u32| batch(*a) == batch(*b);
+        for entries in order.entries.chunk_by(same_batch) {
+            let kernel = scene.batches[batch(entries[0]) as usize].kernel;
+            kernel.cover(self, entries);
+        }
+        self.scratch.order = order;
     }
 
     fn list_items(&mut self, entries: Range<usize>) {
@@ -164,11 +179,17 @@ impl<'a> Tile<'a> {
 
     /// The pixels of the tile that a triangle may cover.
     #[inline]
-    pub(super) fn pixels_of(&self, entry: usize) -> Option<PixelBox> {
-        let pixels = self.scene.view.pixels_of(self.triangle(entry).0)?;
+    pub(super) fn pixels_of(&self, triangle: &Triangle) -> Option<PixelBox> {
+        let [ours, theirs] = [self.pixels, self.scene.view.pixels_of(triangle)?];
         let both = PixelBox {
-            first: [0, 1].map(|axis| pixels.first[axis].max(self.pixels.first[axis])),
-            last: [0, 1].map(|axis| pixels.last[axis].min(self.pixels.last[axis])),
+            first: [
+                ours.first[0].max(theirs.first[0]),
+                ours.first[1].max(theirs.first[1]),
+            ],
+            last: [
+                ours.last[0].min(theirs.last[0]),
+                ours.last[1].min(theirs.last[1]),
+            ],
         };
         let some = both.first[0] <= both.last[0] && both.first[1] <= both.last[1];
         some.then_some(both)
@@ -189,15 +210,62 @@ impl<'a> Tile<'a> {
         [0, 1].map(|axis| self.origin[axis] + i32::try_from(within[axis]).unwrap_or(0))
     }
 
-    /// The key of what shows at a sample so far, if anything does: needed where depths are equal.
+    /// Whether an entry beats, by its key, what shows at a sample at the same depth.
     #[cold]
-    pub(super) fn key_at(&self, index: usize) -> Option<Key> {
+    pub(super) fn wins_tie(&self, entry: usize, index: usize) -> bool {
+        let key = |entry: usize| {
+            let (triangle, _, batch) = self.triangle(entry);
+            super::setup::key(batch, triangle)
+        };
         match self.scratch.owner[index] {
-            NOBODY => Some(self.shown[index]).filter(|&key| key != NOTHING),
+            NOBODY => self.shown[index] != NOTHING && key(entry) < self.shown[index],
+            // Entries are in the order of submission, whatever order they are decided in.
             owner => {
-                let (triangle, _, batch) = self.triangle(owner as usize - 1);
-                Some(super::setup::key(batch, triangle))
+                let owner = owner as usize - 1;
+                (key(entry), entry) < (key(owner), owner)
             }
+        }
+    }
+}
+
+/// Entries in the order in which they are decided: roughly from near to far.
+#[derive(Debug, Default)]
+struct Order {
+    entries: Vec<u32>,
+    slots: Vec<u8>,
+}
+
+impl Order {
+    /// Sorts by depth into some slots, by counting; within a slot the order stays.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a float becomes a slot by the language's saturating cast"
+    )]
+    fn sort(&mut self, entries: Range<usize>, depth: impl Fn(usize) -> f32) {
+        const SLOTS: usize = 64;
+        let (mut nearest, mut furthest) = (1.0_f32, 0.0_f32);
+        for depth in entries.clone().map(&depth) {
+            nearest = if depth < nearest { depth } else { nearest };
+            furthest = if depth > furthest { depth } else { furthest };
+        }
+        let scale = (SLOTS - 1) as f32 / (furthest - nearest).max(f32::MIN_POSITIVE);
+        self.slots.clear();
+        let mut next = [0_u32; SLOTS + 1];
+        for entry in entries.clone() {
+            let slot = ((depth(entry) - nearest) * scale) as u8 % SLOTS as u8;
+            self.slots.push(slot);
+            next[usize::from(slot) + 1] += 1;
+        }
+        for slot in 1..next.len() {
+            next[slot] += next[slot - 1];
+        }
+        self.entries.clear();
+        self.entries.resize(entries.len(), 0);
+        for (entry, &slot) in entries.zip(&self.slots) {
+            let place = &mut next[usize::from(slot)];
+            self.entries[*place as usize] = index_u32(entry);
+            *place += 1;
         }
     }
 }
@@ -284,7 +352,7 @@ fn each_owner<const SAMPLES: usize>(owners: &[u32; SAMPLES], mut each: impl FnMu
 #[expect(unnameable_types, reason = "seals `Kernel`: nobody else can call it")]
 pub trait Passes {
     /// Opaque triangles against depth and key.
-    fn cover(&self, tile: &mut Tile<'_>, entries: Range<usize>);
+    fn cover(&self, tile: &mut Tile<'_>, entries: &[u32]);
     /// Colour of what won.
     fn shade(&self, tile: &mut Tile<'_>, entries: Range<usize>);
     /// Blended triangles in order.
@@ -292,7 +360,7 @@ pub trait Passes {
 }
 
 impl<F: super::Fragment> Passes for F {
-    fn cover(&self, tile: &mut Tile<'_>, entries: Range<usize>) {
+    fn cover(&self, tile: &mut Tile<'_>, entries: &[u32]) {
         match tile.scene.samples {
             Samples::One => super::cover::cover::<F, 1>(self, tile, entries),
             Samples::Four => super::cover::cover::<F, 4>(self, tile, entries),
