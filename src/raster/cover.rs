@@ -1,9 +1,9 @@
 //! Which samples a triangle covers and which of them it wins: the visibility buffer.
 
-use super::plane::{Attributes, Edges, coordinates, depth_at};
-use super::setup::{PixelBox, SUBPIXELS};
+use super::pixels::visit_pixels;
+use super::plane::{Attributes, Edges, depth_at};
 use super::tile::Tile;
-use super::{Counters, Fragment, Samples};
+use super::{Counters, Fragment};
 use crate::math::index_u32;
 
 /// Decides the opaque triangles `entries` of a tile against what is there.
@@ -52,7 +52,7 @@ fn cover_triangle<F: Fragment, const SAMPLES: usize>(
         if F::TESTS_ALPHA {
             let attributes = attributes
                 .get_or_insert_with(|| Attributes::of::<F>(triangle, &edges, chunk, batch));
-            let centre = coordinates(covered.centre);
+            let centre = covered.centre();
             let depth = depth_at(triangle, centre);
             let keeps = attributes.pixel::<F, _>(centre, covered.position(), depth, |pixel| {
                 kernel.keeps(pixel)
@@ -74,91 +74,4 @@ fn cover_triangle<F: Fragment, const SAMPLES: usize>(
             }
         }
     });
-}
-
-/// A pixel of which a triangle covers some sample.
-pub(super) struct Covered<'a, const SAMPLES: usize> {
-    pub(super) x: i32,
-    pub(super) y: i32,
-    /// A bit a covered sample.
-    pub(super) mask: u32,
-    /// The edge functions at the pixel's centre.
-    pub(super) centre: [i64; 3],
-    /// What the edge functions gain from the centre to each sample.
-    to_samples: &'a [[i64; 3]; SAMPLES],
-}
-
-impl<const SAMPLES: usize> Covered<'_, SAMPLES> {
-    /// The second and third edge functions at a sample.
-    #[inline]
-    pub(super) fn at(&self, sample: usize) -> [f32; 2] {
-        if SAMPLES == 1 {
-            return coordinates(self.centre);
-        }
-        let [_, second, third] = self.to_samples[sample];
-        coordinates([0, self.centre[1] + second, self.centre[2] + third])
-    }
-
-    /// Column and row.
-    #[inline]
-    pub(super) fn position(&self) -> [u32; 2] {
-        [self.x.unsigned_abs(), self.y.unsigned_abs()]
-    }
-}
-
-/// Visits those of some pixels of which the triangle covers some sample.
-#[inline]
-pub(super) fn visit_pixels<const SAMPLES: usize>(
-    samples: Samples,
-    edges: &Edges,
-    pixels: PixelBox,
-    mut each: impl FnMut(&Covered<'_, SAMPLES>),
-) {
-    let mut to_samples = [[0_i64; 3]; SAMPLES];
-    if SAMPLES > 1 {
-        for (gain, offset) in to_samples.iter_mut().zip(samples.offsets()) {
-            let [dx, dy] = offset.map(|offset| i64::from(offset - SUBPIXELS / 2));
-            for (k, gain) in gain.iter_mut().enumerate() {
-                *gain = edges.right[k] * dx + edges.down[k] * dy;
-            }
-        }
-    }
-    let [r0, r1, r2] = edges.right.map(|gain| gain * i64::from(SUBPIXELS));
-    let [d0, d1, d2] = edges.down.map(|gain| gain * i64::from(SUBPIXELS));
-    let [b0, b1, b2] = edges.bias;
-    let [mut row0, mut row1, mut row2] = edges.at_pixel(pixels.first[0], pixels.first[1]);
-    for y in pixels.first[1]..=pixels.last[1] {
-        let [mut e0, mut e1, mut e2] = [row0, row1, row2];
-        let mut entered = false;
-        for x in pixels.first[0]..=pixels.last[0] {
-            let mut mask = 0;
-            for (sample, gain) in to_samples.iter().enumerate() {
-                let inside = if SAMPLES == 1 {
-                    (e0 + b0) | (e1 + b1) | (e2 + b2)
-                } else {
-                    (e0 + gain[0] + b0) | (e1 + gain[1] + b1) | (e2 + gain[2] + b2)
-                };
-                mask |= u32::from(inside >= 0) << sample;
-            }
-            if mask != 0 {
-                entered = true;
-                each(&Covered {
-                    x,
-                    y,
-                    mask,
-                    centre: [e0, e1, e2],
-                    to_samples: &to_samples,
-                });
-            } else if SAMPLES == 1 && entered {
-                // Triangles are convex: a row has one span.
-                break;
-            }
-            e0 += r0;
-            e1 += r1;
-            e2 += r2;
-        }
-        row0 += d0;
-        row1 += d1;
-        row2 += d2;
-    }
 }

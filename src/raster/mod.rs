@@ -68,6 +68,7 @@ mod cover;
 mod frame;
 mod kernel;
 mod pass;
+mod pixels;
 mod plane;
 mod setup;
 mod shade;

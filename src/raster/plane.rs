@@ -61,8 +61,8 @@ pub(super) fn depth_at(triangle: &Triangle, edges: [f32; 2]) -> f32 {
 
 /// The second and third edge functions as floats, each rounded once.
 #[inline]
-pub(super) fn coordinates(edges: [i64; 3]) -> [f32; 2] {
-    [edges[1] as f32, edges[2] as f32]
+pub(super) fn coordinates(edges: [i64; 2]) -> [f32; 2] {
+    [edges[0] as f32, edges[1] as f32]
 }
 
 /// A quantity that is affine on the target: `base + (e₁ · slope₁ + e₂ · slope₂)`.
@@ -137,7 +137,8 @@ impl<'a> Attributes<'a> {
                 *plane = Plane::new(values, triangle.inverse_area);
             }
         }
-        let step = |gain: [i64; 3]| coordinates(gain.map(|gain| gain * i64::from(SUBPIXELS)));
+        let pixel = i64::from(SUBPIXELS);
+        let step = |gain: [i64; 3]| coordinates([gain[1] * pixel, gain[2] * pixel]);
         Self {
             inverse_w: Plane::new(over_w, triangle.inverse_area),
             varyings,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::cover::visit_pixels;
+use super::pixels::visit_pixels;
 use super::plane::{Attributes, Edges, coordinates, depth_at};
 use super::setup::key;
 use super::tile::{NOBODY, Tile};
@@ -28,7 +28,8 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
         for place in range {
             let item = tile.scratch.items.list[place];
             let [x, y] = tile.pixel_at(item.index());
-            let centre = coordinates(edges.at_pixel(x, y));
+            let [_, second, third] = edges.at_pixel(x, y);
+            let centre = coordinates([second, third]);
             let position = [x, y].map(i32::unsigned_abs);
             let depth = depth_at(triangle, centre);
             let colour =
@@ -80,7 +81,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
             }
             let attributes = attributes
                 .get_or_insert_with(|| Attributes::of::<F>(triangle, &edges, chunk, batch));
-            let centre = coordinates(covered.centre);
+            let centre = covered.centre();
             let depth = depth_at(triangle, centre);
             let mut killed = false;
             let colour = attributes.pixel::<F, _>(centre, covered.position(), depth, |pixel| {
