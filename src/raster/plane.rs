@@ -43,6 +43,12 @@ impl Edges {
         edges
     }
 
+    /// The sum of all three, which is the same everywhere.
+    #[inline]
+    fn twice_area(&self) -> i64 {
+        self.origin[0] + self.origin[1] + self.origin[2]
+    }
+
     /// At the centre of a pixel.
     #[inline]
     pub(super) fn at_pixel(&self, x: i32, y: i32) -> [i64; 3] {
@@ -116,6 +122,7 @@ impl<'a> Attributes<'a> {
         batch: &Batch<'a>,
     ) -> Self {
         let geometry = batch.geometry;
+        let inverse_area = 1.0 / edges.twice_area() as f32;
         let corners = triangle.corners.map(|corner| corner as usize);
         let over_w = if triangle.cut {
             corners.map(|corner| chunk.cut.inverse_w[corner])
@@ -127,20 +134,20 @@ impl<'a> Attributes<'a> {
             let at = corners.map(|corner| &chunk.cut.varyings[corner]);
             for (k, plane) in varyings[..F::VARYINGS].iter_mut().enumerate() {
                 let values = std::array::from_fn(|c| at[c][k] * over_w[c]);
-                *plane = Plane::new(values, triangle.inverse_area);
+                *plane = Plane::new(values, inverse_area);
             }
         } else {
             let at =
                 corners.map(|corner| &geometry.varyings[corner * F::VARYINGS..][..F::VARYINGS]);
             for (k, plane) in varyings[..F::VARYINGS].iter_mut().enumerate() {
                 let values = std::array::from_fn(|c| at[c][k] * over_w[c]);
-                *plane = Plane::new(values, triangle.inverse_area);
+                *plane = Plane::new(values, inverse_area);
             }
         }
         let pixel = i64::from(SUBPIXELS);
         let step = |gain: [i64; 3]| coordinates([gain[1] * pixel, gain[2] * pixel]);
         Self {
-            inverse_w: Plane::new(over_w, triangle.inverse_area),
+            inverse_w: Plane::new(over_w, inverse_area),
             varyings,
             steps: [step(edges.right), step(edges.down)],
             flats: &geometry.flats[triangle.primitive as usize * F::FLATS..][..F::FLATS],

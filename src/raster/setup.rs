@@ -20,8 +20,8 @@ pub(super) struct Triangle {
     pub(super) depth: f32,
     /// Depth gained a unit of the second and third edge function.
     pub(super) depth_slopes: [f32; 2],
-    /// One over the sum of the edge functions, which is twice the area.
-    pub(super) inverse_area: f32,
+    /// The vertex id of the primitive's first corner, as submitted.
+    pub(super) vertex: u32,
     /// Where the corners' attributes are: in the geometry, or in the chunk's cut vertices.
     pub(super) corners: [u32; 3],
     pub(super) batch: u32,
@@ -118,12 +118,10 @@ fn corners_of(topology: Topology) -> usize {
 
 /// The key of a triangle of a batch.
 pub(super) fn key(batch: &Batch<'_>, triangle: &Triangle) -> Key {
-    let corner = triangle.primitive as usize * corners_of(batch.topology);
-    let vertex = batch.geometry.corners[corner];
     Key {
         group: batch.group,
         instance: batch.instance,
-        vertex: batch.geometry.vertex_ids[vertex as usize],
+        vertex: triangle.vertex,
         triangle: u32::from(triangle.part),
     }
 }
@@ -252,9 +250,15 @@ pub(super) fn inverse_w(w: f64) -> f32 {
 }
 
 fn set_up_chunk(view: &View, batches: &[Batch<'_>], segments: &[Segment]) -> Chunk {
+    let primitives: u32 = segments.iter().map(|segment| segment.count).sum();
+    let room = 2 * primitives as usize;
     let mut builder = Builder {
         view,
-        chunk: Chunk::default(),
+        chunk: Chunk {
+            triangles: Vec::with_capacity(room),
+            boxes: Vec::with_capacity(room),
+            cut: CutVertices::default(),
+        },
     };
     for segment in segments {
         let batch = &batches[segment.batch as usize];
@@ -297,7 +301,7 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn triangle(&mut self, place: &Place<'_>, corners: [u32; 3], part: u8) {
-        let Some(corners) = lowest_first(place.geometry, corners) else {
+        let Some((corners, vertex)) = lowest_first(place.geometry, corners) else {
             return;
         };
         let clip = corners.map(|corner| place.geometry.clip[corner as usize]);
@@ -308,6 +312,7 @@ impl Builder<'_> {
         let source = Source {
             batch: place.batch,
             primitive: place.primitive,
+            vertex,
             part,
             cut: false,
         };
@@ -352,11 +357,11 @@ impl Builder<'_> {
     /// A line as the rectangle of width 1 around it, its ends cut square.
     fn line(&mut self, place: &Place<'_>, corners: [u32; 2]) {
         let id = |corner: u32| place.geometry.vertex_ids.get(corner as usize).copied();
-        let [Some(first), Some(second)] = corners.map(id) else {
+        let [Some(vertex), Some(other)] = corners.map(id) else {
             return;
         };
         let [a, b] = corners;
-        let corners = if first <= second { [a, b] } else { [b, a] };
+        let corners = if vertex <= other { [a, b] } else { [b, a] };
         let clip = corners.map(|corner| place.geometry.clip[corner as usize]);
         if !clip.iter().all(|position| position.is_finite()) {
             return;
@@ -388,6 +393,7 @@ impl Builder<'_> {
         let source = Source {
             batch: place.batch,
             primitive: place.primitive,
+            vertex,
             part: 0,
             cut: true,
         };
@@ -432,7 +438,7 @@ impl Builder<'_> {
                 (depth[1] - depth[0]) * inverse_area,
                 (depth[2] - depth[0]) * inverse_area,
             ],
-            inverse_area,
+            vertex: source.vertex,
             corners,
             batch: source.batch,
             primitive: source.primitive,
@@ -449,6 +455,7 @@ impl Builder<'_> {
 struct Source {
     batch: u32,
     primitive: u32,
+    vertex: u32,
     part: u8,
     cut: bool,
 }
@@ -473,20 +480,21 @@ impl CutVertices {
     }
 }
 
-/// Turns a triangle so that its lowest vertex id comes first; the first of them where two are equal.
-/// `None` when a corner names no vertex.
+/// Turns a triangle so that its lowest vertex id comes first, the first of them where two are equal;
+/// with the id of what was the first corner. `None` when a corner names no vertex.
 #[inline]
-fn lowest_first(geometry: &Geometry, corners: [u32; 3]) -> Option<[u32; 3]> {
+fn lowest_first(geometry: &Geometry, corners: [u32; 3]) -> Option<([u32; 3], u32)> {
     let [a, b, c] = corners;
     let id = |corner: u32| geometry.vertex_ids.get(corner as usize).copied();
     let (id_a, id_b, id_c) = (id(a)?, id(b)?, id(c)?);
-    Some(if id_a <= id_b && id_a <= id_c {
+    let turned = if id_a <= id_b && id_a <= id_c {
         [a, b, c]
     } else if id_b <= id_c {
         [b, c, a]
     } else {
         [c, a, b]
-    })
+    };
+    Some((turned, id_a))
 }
 
 /// Whether all corners are on the far side of one plane of the view, where no pixel is.
