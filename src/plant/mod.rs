@@ -17,7 +17,7 @@ pub mod gltf;
 mod mesh;
 mod silhouette;
 mod skeleton;
-pub mod species;
+mod species;
 mod texture;
 mod tube;
 mod weber_penn;
@@ -26,10 +26,12 @@ pub use foliage::{Foliage, LeafGroup, NO_BRANCH, Prototype};
 pub use mesh::{Material, Mesh};
 pub use silhouette::Silhouette;
 pub use skeleton::{Branch, Node, Skeleton};
-pub use species::Species;
+pub use species::{
+    Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species, StemLevel, Wood,
+};
 pub use texture::Texture;
 pub use tube::{Tubes, trunk_mesh};
-pub use weber_penn::{GrowError, MAX_BRANCHES, MAX_NODES, grow};
+pub use weber_penn::{GrowError, MAX_BRANCHES, MAX_GROWN_LEAVES, MAX_NODES, grow};
 
 use crate::math::{Aabb, Digest, Digester};
 

@@ -77,53 +77,44 @@ impl Brush {
     }
 
     fn fill(&mut self, points: &[Vec2], paint: &Paint<'_>) {
-        if let Some(path) = self.path(points, true) {
-            let transform = Transform::identity();
+        if let Some(path) = path_through(points) {
+            let stretch = self.stretch();
             self.pixmap
-                .fill_path(&path, paint, FillRule::Winding, transform, None);
+                .fill_path(&path, paint, FillRule::Winding, stretch, None);
         }
     }
 
-    /// Texels may be taller than wide, so the stroke is drawn in the leaf's measure and stretched.
     fn stroke(&mut self, points: &[Vec2], width: f32, paint: &Paint<'_>) {
-        let mut builder = PathBuilder::new();
-        for (place, point) in points.iter().enumerate() {
-            if place == 0 {
-                builder.move_to(point.x, point.y);
-            } else {
-                builder.line_to(point.x, point.y);
-            }
-        }
         let stroke = Stroke {
             width,
             line_cap: LineCap::Round,
             line_join: LineJoin::Round,
             ..Stroke::default()
         };
-        let across = self.side / self.width;
-        let stretch = Transform::from_row(across, 0.0, 0.0, -self.side, 0.5 * self.side, self.side);
-        if let Some(path) = builder.finish() {
+        if let Some(path) = path_through(points) {
+            let stretch = self.stretch();
             self.pixmap
                 .stroke_path(&path, paint, &stroke, stretch, None);
         }
     }
 
-    fn path(&self, points: &[Vec2], closed: bool) -> Option<Path> {
-        let mut builder = PathBuilder::new();
-        for (place, point) in points.iter().enumerate() {
-            let x = (point.x / self.width + 0.5) * self.side;
-            let y = (1.0 - point.y) * self.side;
-            if place == 0 {
-                builder.move_to(x, y);
-            } else {
-                builder.line_to(x, y);
-            }
-        }
-        if closed {
-            builder.close();
-        }
-        builder.finish()
+    /// From the leaf's measure to texels, which may be taller than wide on the leaf.
+    fn stretch(&self) -> Transform {
+        let side = self.side;
+        Transform::from_row(side / self.width, 0.0, 0.0, -side, 0.5 * side, side)
     }
+}
+
+fn path_through(points: &[Vec2]) -> Option<Path> {
+    let mut builder = PathBuilder::new();
+    for (place, point) in points.iter().enumerate() {
+        if place == 0 {
+            builder.move_to(point.x, point.y);
+        } else {
+            builder.line_to(point.x, point.y);
+        }
+    }
+    builder.finish()
 }
 
 /// Points on each side of a blade: teeth need several each.

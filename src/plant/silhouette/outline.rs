@@ -69,7 +69,7 @@ fn spiny(share: f32) -> f32 {
 
 fn lobed(share: f32) -> f32 {
     let lobes = det::cos(std::f32::consts::TAU * (4.0 * share - 0.62));
-    hump(share, 1.1) * (0.7 + 0.3 * lobes)
+    hump(share, 1.1) * (0.76 + 0.24 * lobes)
 }
 
 /// One blade over the whole canvas, on a short stalk.
@@ -126,7 +126,7 @@ fn sprig(brush: &mut Brush, outline: Outline, leaves: &[SprigLeaf], shape: f32) 
 
 /// Leaflets in pairs on a rachis, with or without one at the end.
 fn pinnate(brush: &mut Brush, pairs: u16, end: bool, outline: Outline) {
-    let rachis = if end { 0.8 } else { 0.86 };
+    let rachis = if end { 0.8 } else { 0.76 };
     brush.line(&[Vec2::ZERO, Vec2::new(0.0, rachis)], 0.02, 0.85);
     let first = 0.17;
     let spacing = (rachis - first) / f32::from(pairs - 1);

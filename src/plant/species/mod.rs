@@ -3,17 +3,19 @@
 //! The parameters are those of Weber and Penn ([WP95](crate::references), appendix) in a readable
 //! spelling, and what the foliage systems need besides: exact leaf counts, how far simplification
 //! goes, silhouettes and colours. What a file does not say is the paper's quaking aspen.
-//!
-#![doc = include_str!("keys.md")]
 
 mod read;
+#[cfg(test)]
+mod tests;
 
-use super::silhouette::Silhouette;
+use super::Silhouette;
 
 /// The schema that a species file names.
 pub const SPECIES_SCHEMA: &str = "spinney.species/1";
 
 /// A kind of tree; every number lies in the range that the table of keys states.
+///
+#[doc = include_str!("keys.md")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Species {
     /// What people call it.

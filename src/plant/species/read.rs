@@ -10,7 +10,7 @@ use super::{
     Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species, StemLevel, Wood,
 };
 use crate::document::{Document, DocumentError};
-use crate::plant::silhouette::Silhouette;
+use crate::plant::{MAX_GROWN_LEAVES, Silhouette};
 
 impl Species {
     /// Reads a species file.
@@ -144,7 +144,8 @@ struct RawFoliage {
 }
 
 /// The most leaves, and the most trunk triangles, that a species may ask for.
-const MOST: i64 = 4_000_000;
+#[expect(clippy::cast_possible_wrap, reason = "four millions fit")]
+const MOST: i64 = MAX_GROWN_LEAVES as i64;
 
 /// The most kinds of foliage; each is a material and a group of its own.
 const MOST_KINDS: usize = 16;

@@ -1,12 +1,13 @@
 //! All stems of a plant: each level on the one before, depth first.
 
-use super::formulas::{down_angle, flare_factor, stem_length, stem_radius, taper_radius};
+use super::formulas::{
+    alternate, down_angle, flare_factor, shape_ratio, stem_length, stem_radius, taper_radius,
+};
 use super::frame::Frame;
 use super::stem::{Axis, Effort, Site, Stem, grow_stem, streams};
-use super::{GrowError, MAX_BRANCHES, MAX_NODES, alternate, shape_ratio};
+use super::{GrowError, MAX_BRANCHES, MAX_NODES};
 use crate::math::{Stream, Vec3, index_u32};
-use crate::plant::species::{Shape, Species};
-use crate::plant::{Branch, Node, Skeleton};
+use crate::plant::{Branch, Node, Shape, Skeleton, Species};
 
 /// Stems shorter than this, in metres, do not grow.
 const SHORTEST_STEM: f32 = 1e-3;

@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use crate::math::det;
-use crate::plant::species::{Crown, Pruning, Shape, StemLevel};
+use crate::plant::{Crown, Pruning, Shape, StemLevel};
 
 /// `ShapeRatio`: how long a stem is, by where it sits; `ratio` is 1 at the crown's base and 0 at
 /// its top ([WP95](crate::references), section 4.3).

@@ -1,12 +1,13 @@
 //! Leaves on the stems of the last level: exactly as many as wanted, evenly over the whole crown.
 
+use super::GrowError;
 use super::branching::{Bearer, Wood};
-use super::formulas::down_angle;
+use super::formulas::{alternate, down_angle, lifted};
 use super::frame::Frame;
-use super::{GrowError, alternate, lifted};
 use crate::math::{Stream, Vec3, det};
-use crate::plant::species::{FoliageKind, Species};
-use crate::plant::{Foliage, LeafGroup, MAX_LEAVES, Material, Prototype};
+use crate::plant::{
+    Foliage, FoliageKind, LeafGroup, MAX_GROWN_LEAVES, Material, Prototype, Species,
+};
 
 /// Texels whose alpha is below this are not there, in all foliage that grows.
 const ALPHA_CUTOFF: f32 = 0.5;
@@ -23,11 +24,11 @@ pub(super) fn foliage(species: &Species, wood: &Wood) -> Result<Foliage, GrowErr
     let bearers = &wood.bearers;
     let (density, wanted) = density(species, bearers)?;
     let grown = total(bearers, density);
-    if grown > MAX_LEAVES as u64 {
+    if grown > MAX_GROWN_LEAVES as u64 {
         return Err(GrowError::TooMany {
             what: "leaves",
             found: count(grown),
-            limit: MAX_LEAVES,
+            limit: MAX_GROWN_LEAVES,
         });
     }
     let mut groups: Vec<LeafGroup> = species.foliage.iter().map(empty_group).collect();
@@ -89,11 +90,11 @@ fn leaves_on(bearer: Bearer, density: f64) -> u64 {
         clippy::cast_sign_loss,
         reason = "clamped to the range of counts first"
     )]
-    let whole = wanted.clamp(0.0, MAX_LEAVES as f64) as u64;
+    let whole = wanted.clamp(0.0, MAX_GROWN_LEAVES as f64) as u64;
     whole
 }
 
-/// At most 16 million leaves on a million stems: far from overflow.
+/// At most 4 million leaves on a million stems: far from overflow.
 fn total(bearers: &[Bearer], density: f64) -> u64 {
     bearers
         .iter()

@@ -21,8 +21,6 @@ mod frame;
 mod leaves;
 mod stem;
 
-use formulas::{alternate, lifted, shape_ratio};
-
 use super::species::Species;
 use super::texture::linear_of_srgb;
 use super::tube::{Tubes, trunk_mesh};
@@ -34,6 +32,9 @@ pub const MAX_BRANCHES: usize = 1_000_000;
 
 /// The most skeleton nodes that a plant grows.
 pub const MAX_NODES: usize = 4_000_000;
+
+/// The most leaves that a plant grows.
+pub const MAX_GROWN_LEAVES: usize = 4_000_000;
 
 /// Grows the plant of a species that a seed names; the same on every machine.
 ///

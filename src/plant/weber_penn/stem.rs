@@ -4,7 +4,7 @@ use super::GrowError;
 use super::formulas::{lifted, segment_curve, shape_ratio};
 use super::frame::Frame;
 use crate::math::{Stream, Vec2, Vec3};
-use crate::plant::species::{Crown, Pruning, Shape, StemLevel};
+use crate::plant::{Crown, Pruning, Shape, StemLevel};
 
 /// Which numbers of a stem's stream serve what; children and leaves have streams of their own, so
 /// that none of them shifts another.
