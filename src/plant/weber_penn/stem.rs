@@ -222,6 +222,8 @@ fn axes_of(
                     along: along + step,
                     part: tip.part,
                 });
+                point_count += 1;
+                effort.spend(point_count)?;
             }
             tip.position += segment_length * tip.frame.heading;
             tip.segment += 1;
