@@ -1,3 +1,7 @@
 //! The `spinney` program: arguments in, exit code out.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(spinney::cli::main(std::env::args_os()))
+}

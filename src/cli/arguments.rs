@@ -1,0 +1,243 @@
+//! What can be asked for, by `clap`.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
+
+use crate::gpu::{Card, Link};
+
+/// Renders trees at any level of detail on a GPU that exists only in software, and counts every
+/// byte over its bus.
+#[derive(Debug, Parser)]
+#[command(version, disable_help_subcommand = true, max_term_width = 100)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    pub(super) shared: Shared,
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+/// Flags of every command.
+#[derive(Debug, Args)]
+pub(super) struct Shared {
+    /// Folder or file to write, default `out/<scene>`
+    #[arg(short, long, global = true, value_name = "PATH")]
+    pub(super) out: Option<PathBuf>,
+    /// Threads to use, default all; results never depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+    /// Link for modelled times, in place of the scene's: agp1x … agp8x, pcie1x16 … pcie5x16
+    #[arg(long, global = true, value_name = "NAME", value_parser = link)]
+    pub(super) link: Option<Link>,
+    /// Card for modelled times, in place of the scene's: geforce6800, geforce6800gt, fx5200, gtx770
+    #[arg(long, global = true, value_name = "NAME", value_parser = card)]
+    pub(super) card: Option<Card>,
+    /// Print machine-readable JSON
+    #[arg(long, global = true)]
+    pub(super) json: bool,
+    /// Print nothing but results and errors
+    #[arg(long, global = true)]
+    pub(super) quiet: bool,
+    /// Colour in the terminal
+    #[arg(long, global = true, value_enum, default_value_t = Color::Auto)]
+    pub(super) color: Color,
+}
+
+/// When to colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Color {
+    /// On a terminal, unless `NO_COLOR` is set
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Render a scene's frames, counting traffic
+    Run(RunOptions),
+    /// Walk the axis of detail from 0 to 1 for several models
+    Sweep(SweepOptions),
+    /// Storage table: original, VDF, LoDF, by the papers' accounting and by true sizes
+    Storage(StorageOptions),
+    /// Tell what a scene, species, plant or image holds
+    Inspect(InspectOptions),
+    /// Generate a plant from a species file
+    Grow(GrowOptions),
+    /// Explain the commands, or the keys of scene or species files
+    Help(HelpOptions),
+}
+
+/// How frames are drawn.
+#[derive(Debug, Args)]
+pub(super) struct Drawing {
+    /// Pixels of a frame, such as 640x480, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Samples a pixel, 1 or 4, in place of the scene's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4))]
+    pub(super) samples: Option<u32>,
+    /// Frames to draw, such as 0..10; earlier ones are selected and committed, not drawn
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub(super) frames: Option<Range<u32>>,
+    /// `exact` rasterizes everything and models the card's time, `visible` is faster
+    #[arg(long, value_enum)]
+    pub(super) counters: Option<CounterChoice>,
+    /// Draw every N-th frame from the I-th on; every frame is selected and committed
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub(super) shard: Option<Shard>,
+}
+
+/// Which counters are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum CounterChoice {
+    /// Architectural counters only
+    Visible,
+    /// Everything is rasterized and counted
+    Exact,
+}
+
+/// A share of the frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Shard {
+    /// Which, from 0.
+    pub(super) index: u32,
+    /// Of how many.
+    pub(super) count: u32,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RunOptions {
+    /// Scene file
+    pub(super) scene: PathBuf,
+    #[command(flatten)]
+    pub(super) drawing: Drawing,
+    /// Also write each frame's data layers as EXR
+    #[arg(long)]
+    pub(super) layers: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct SweepOptions {
+    /// Scene file
+    pub(super) scene: PathBuf,
+    #[command(flatten)]
+    pub(super) drawing: Drawing,
+    /// Models to walk, such as lodf-slots,lodf-stamps; default all that fit
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub(super) models: Vec<String>,
+    /// Steps from full detail to the coarsest
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(super) steps: u32,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct StorageOptions {
+    /// Scene file
+    pub(super) scene: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct InspectOptions {
+    /// Scene, species, plant (.glb, .gltf) or image (.png)
+    pub(super) file: PathBuf,
+    /// Node, mesh or material of a plant file that is foliage; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub(super) foliage: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct GrowOptions {
+    /// Species file
+    pub(super) species: PathBuf,
+    /// Seed of the individual
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct HelpOptions {
+    /// What to explain
+    #[arg(value_enum)]
+    pub(super) topic: Option<Topic>,
+}
+
+/// What `help` explains beside the commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Topic {
+    /// The keys of scene files
+    Scene,
+    /// The keys of species files
+    Species,
+}
+
+/// What `spinney --help` prints.
+pub(super) fn long_help() -> String {
+    Arguments::command().render_long_help().to_string()
+}
+
+fn link(name: &str) -> Result<Link, String> {
+    Link::named(name).ok_or_else(|| known(Link::ALL.iter().map(|link| link.name())))
+}
+
+fn card(name: &str) -> Result<Card, String> {
+    Card::named(name).ok_or_else(|| known(Card::ALL.iter().map(|card| card.name())))
+}
+
+fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    format!("wanted one of {}", names.collect::<Vec<_>>().join(", "))
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "wanted width x height in pixels, such as 640x480".to_owned();
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let number = |digits: &str| digits.parse().map_err(|_: std::num::ParseIntError| wrong());
+    Ok((number(width)?, number(height)?))
+}
+
+fn frames(text: &str) -> Result<Range<u32>, String> {
+    let wrong = || "wanted first..end, such as 0..10, with end after first".to_owned();
+    let (first, end) = text.split_once("..").ok_or_else(wrong)?;
+    let number = |digits: &str| digits.parse().map_err(|_: std::num::ParseIntError| wrong());
+    let range = number(first)?..number(end)?;
+    if range.is_empty() {
+        Err(wrong())
+    } else {
+        Ok(range)
+    }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let wrong = || "wanted index/count, such as 0/4, with the index below the count".to_owned();
+    let (index, count) = text.split_once('/').ok_or_else(wrong)?;
+    let number = |digits: &str| digits.parse().map_err(|_: std::num::ParseIntError| wrong());
+    let shard = Shard {
+        index: number(index)?,
+        count: number(count)?,
+    };
+    if shard.index < shard.count {
+        Ok(shard)
+    } else {
+        Err(wrong())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_or_refused() {
+        Arguments::command().debug_assert();
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        assert!(size("640").is_err() && size("ax1").is_err() && size("-1x4").is_err());
+        assert_eq!(frames("2..5"), Ok(2..5));
+        assert!(frames("5..5").is_err() && frames("5").is_err());
+        assert_eq!(shard("1/4"), Ok(Shard { index: 1, count: 4 }));
+        assert!(shard("4/4").is_err() && shard("0/0").is_err());
+        assert!(link("isa").is_err());
+    }
+}

@@ -1,0 +1,51 @@
+//! What went wrong, and which exit code says so.
+
+use crate::document::DocumentError;
+use crate::gpu::GpuError;
+use crate::plant::GrowError;
+use crate::plant::gltf::{ExportError, ImportError};
+use crate::report::ReportError;
+use crate::run::RunError;
+use crate::scene::SceneError;
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CliError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    #[error("{file}: {source}")]
+    Grow { file: String, source: GrowError },
+    #[error(transparent)]
+    Run(#[from] RunError),
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    #[error("{0}")]
+    Usage(String),
+    #[error("{place}: {problem}")]
+    Write { place: String, problem: String },
+}
+
+impl CliError {
+    /// The exit code.
+    pub(super) fn code(&self) -> u8 {
+        match self {
+            Self::Run(RunError::Gpu(GpuError::OutOfMemory { .. })) => 3,
+            Self::Report(error) if error.is_write() => 4,
+            Self::Write { .. } => 4,
+            Self::Scene(_)
+            | Self::Document(_)
+            | Self::Import(_)
+            | Self::Export(_)
+            | Self::Grow { .. }
+            | Self::Run(_)
+            | Self::Report(_)
+            | Self::Usage(_) => 2,
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! `spinney inspect`: what a file holds.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::arguments::{InspectOptions, Shared};
+use super::error::CliError;
+use super::terminal::Terminal;
+use crate::document::Document;
+use crate::plant::gltf::{ImportOptions, import};
+use crate::plant::{Plant, Prototype, Species, grow};
+use crate::raster::Image;
+use crate::report::Picture;
+use crate::scene::{PlantSource, SceneFile};
+
+/// Names and values, in the order of printing.
+pub(super) type Facts = Vec<(&'static str, Value)>;
+
+pub(super) fn inspect(
+    options: &InspectOptions,
+    shared: &Shared,
+    terminal: &Terminal,
+) -> Result<(), CliError> {
+    let facts = match ending(&options.file).as_str() {
+        "glb" | "gltf" => imported_facts(&options.file, &options.foliage)?,
+        "png" => image_facts(&options.file)?,
+        "toml" => {
+            let document = Document::read(&options.file)?;
+            if document.text.contains("\"spinney.species/") {
+                species_facts(&document)?
+            } else {
+                scene_facts(document)?
+            }
+        }
+        other => {
+            return Err(CliError::Usage(format!(
+                "{}: cannot inspect a file ending in {other:?}; wanted .toml, .glb, .gltf or .png",
+                options.file.display()
+            )));
+        }
+    };
+    terminal.print(&show(&facts, shared.json))
+}
+
+/// Facts as text or JSON.
+pub(super) fn show(facts: &Facts, json: bool) -> String {
+    if json {
+        let map: Map<String, Value> = facts
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), value.clone()))
+            .collect();
+        return format!("{:#}", Value::Object(map));
+    }
+    let widest = facts.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    let mut text = String::new();
+    for (name, value) in facts {
+        let lines: Vec<String> = match value {
+            Value::Array(list) => list.iter().map(plain).collect(),
+            single => vec![plain(single)],
+        };
+        for (number, line) in lines.iter().enumerate() {
+            let name = if number == 0 { *name } else { "" };
+            text.push_str(&format!("{:widest$}  {line}\n", name.replace('_', " ")));
+        }
+    }
+    text
+}
+
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Object(map) => {
+            let pairs: Vec<String> = map
+                .iter()
+                .map(|(name, value)| format!("{name} {}", plain(value)))
+                .collect();
+            pairs.join(", ")
+        }
+        Value::Array(list) => list.iter().map(plain).collect::<Vec<_>>().join(" "),
+        other => other.to_string(),
+    }
+}
+
+fn ending(path: &Path) -> String {
+    path.extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase())
+        .unwrap_or_default()
+}
+
+fn imported_facts(path: &Path, foliage: &[String]) -> Result<Facts, CliError> {
+    let imported = import(
+        path,
+        &ImportOptions {
+            foliage: foliage.to_vec(),
+        },
+    )?;
+    let mut facts = plant_facts(&imported.plant);
+    let remarks: Vec<Value> = imported
+        .report
+        .entries
+        .iter()
+        .map(|entry| entry.to_string().into())
+        .collect();
+    facts.push(("own_file", imported.report.native.into()));
+    facts.push(("remarks", remarks.into()));
+    Ok(facts)
+}
+
+/// What a plant holds.
+pub(super) fn plant_facts(plant: &Plant) -> Facts {
+    let bounds = plant.bounds();
+    let size = bounds.size();
+    let metres = |value: f32| json!((f64::from(value) * 1000.0).round() / 1000.0);
+    let groups: Vec<Value> = plant
+        .foliage()
+        .groups
+        .iter()
+        .map(|group| {
+            let shape = match &group.prototype {
+                Prototype::Quad { .. } => "quad leaves".to_owned(),
+                Prototype::Faces { triangles, .. } => {
+                    format!("leaves of {} faces", triangles.len())
+                }
+                Prototype::Needle { .. } => "needles".to_owned(),
+            };
+            json!({ "group": group.name, "shape": shape, "count": group.leaf_count() })
+        })
+        .collect();
+    let skeleton = plant.skeleton();
+    vec![
+        ("kind", "plant".into()),
+        ("name", plant.name().into()),
+        ("leaves", plant.foliage().leaf_count().into()),
+        ("quad_leaves", plant.foliage().quad_count().into()),
+        ("foliage", groups.into()),
+        (
+            "trunk_triangles",
+            plant
+                .trunk()
+                .map_or(0, |trunk| trunk.triangle_count())
+                .into(),
+        ),
+        (
+            "branches",
+            skeleton
+                .map_or(0, |skeleton| skeleton.branches.len())
+                .into(),
+        ),
+        (
+            "skeleton_nodes",
+            skeleton.map_or(0, |skeleton| skeleton.nodes.len()).into(),
+        ),
+        (
+            "size_m",
+            json!([metres(size.x), metres(size.y), metres(size.z)]),
+        ),
+        (
+            "lowest_m",
+            metres(if bounds.is_empty() { 0.0 } else { bounds.min.y }),
+        ),
+        ("plant_digest", plant.digest().to_string().into()),
+    ]
+}
+
+fn image_facts(path: &Path) -> Result<Facts, CliError> {
+    let picture = Picture::read(path)?;
+    let image = Image {
+        width: picture.width(),
+        height: picture.height(),
+        rgba: picture.rgba().to_vec(),
+    };
+    Ok(vec![
+        ("kind", "image".into()),
+        ("width", image.width.into()),
+        ("height", image.height.into()),
+        ("image_digest", image.digest().to_string().into()),
+    ])
+}
+
+fn species_facts(document: &Document) -> Result<Facts, CliError> {
+    let species = Species::parse(document)?;
+    let plant = grow(&species, 1).map_err(|source| CliError::Grow {
+        file: document.file.clone(),
+        source,
+    })?;
+    let mut facts = plant_facts(&plant);
+    facts[0].1 = "species".into();
+    facts.insert(2, ("latin", species.latin.clone().into()));
+    facts.push(("stop_leaves", species.stop_leaves.into()));
+    Ok(facts)
+}
+
+fn scene_facts(document: Document) -> Result<Facts, CliError> {
+    let file = document.file.clone();
+    let SceneFile { scene, source } = SceneFile::parse(document)?;
+    let mut missing: Vec<Value> = Vec::new();
+    let trees: Vec<Value> = scene
+        .trees
+        .iter()
+        .map(|tree| {
+            let path = match &tree.source {
+                PlantSource::Species(path) | PlantSource::File { path, .. } => path,
+            };
+            if !source.resolve(path).exists() {
+                missing.push(format!("{file}: {path} does not exist").into());
+            }
+            json!({ "from": path, "seed": tree.seed })
+        })
+        .collect();
+    Ok(vec![
+        ("kind", "scene".into()),
+        ("name", scene.name.clone().into()),
+        ("size", json!([scene.size.width(), scene.size.height()])),
+        ("samples", scene.samples.get().into()),
+        ("frames", scene.frames.into()),
+        ("trees", trees.into()),
+        (
+            "model",
+            format!("{} {}", scene.model.name.name(), scene.model.mode.name()).into(),
+        ),
+        ("link", scene.device.link.clone().into()),
+        ("card", scene.device.card.clone().into()),
+        ("scene_digest", scene.digest().to_string().into()),
+        ("warnings", missing.into()),
+    ])
+}

@@ -1,0 +1,60 @@
+//! The command line: parse, call, print; the only place that prints or reads the environment.
+//!
+//! | exit code | meaning |
+//! |---|---|
+//! | 0 | done, or the same |
+//! | 1 | differs, or a check failed |
+//! | 2 | bad usage or input |
+//! | 3 | out of a stated budget |
+//! | 4 | cannot write |
+
+mod arguments;
+mod error;
+mod grow;
+mod inspect;
+mod prepare;
+mod progress;
+mod run;
+mod storage;
+mod sweep;
+mod terminal;
+
+use std::ffi::OsString;
+
+use clap::Parser as _;
+
+use arguments::{Arguments, Command, Topic};
+use error::CliError;
+use terminal::Terminal;
+
+/// Runs the program with these arguments, the first being its own name, and returns its exit code.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => return terminal::usage(&error),
+    };
+    let terminal = Terminal::new(&arguments.shared);
+    match terminal.within_threads(arguments.shared.threads, || dispatch(&arguments, &terminal)) {
+        Ok(()) => 0,
+        Err(error) => {
+            terminal.error(&error);
+            error.code()
+        }
+    }
+}
+
+fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<(), CliError> {
+    let shared = &arguments.shared;
+    match &arguments.command {
+        Command::Run(options) => run::run(options, shared, terminal),
+        Command::Sweep(options) => sweep::sweep(options, shared, terminal),
+        Command::Storage(options) => storage::storage(options, shared, terminal),
+        Command::Inspect(options) => inspect::inspect(options, shared, terminal),
+        Command::Grow(options) => grow::grow(options, shared, terminal),
+        Command::Help(options) => match options.topic {
+            Some(Topic::Scene) => terminal.print(&crate::scene::key_help()),
+            Some(Topic::Species) => terminal.print(crate::plant::Species::HELP),
+            None => terminal.print(&arguments::long_help()),
+        },
+    }
+}

@@ -1,0 +1,97 @@
+//! From a scene file and flags to a scene and its plants.
+
+use std::path::Path;
+
+use super::arguments::{CounterChoice, Drawing, Shared};
+use super::error::CliError;
+use super::terminal::Terminal;
+use crate::raster::{Counters, Options, TileSize};
+use crate::run::{Progress, RunError, SessionOptions, World};
+use crate::scene::{ImageSize, SampleCount, Scene, SceneFile, SceneSource};
+
+/// A scene with the flags' overrides, and its plants.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    pub(super) scene: Scene,
+    pub(super) world: World,
+    pub(super) options: SessionOptions,
+}
+
+impl Prepared {
+    pub(super) fn new(
+        path: &Path,
+        drawing: Option<&Drawing>,
+        counters: Counters,
+        shared: &Shared,
+        terminal: &Terminal,
+        progress: &dyn Progress,
+    ) -> Result<Self, CliError> {
+        let SceneFile { mut scene, source } = SceneFile::read(path)?;
+        if let Some(link) = shared.link {
+            link.name().clone_into(&mut scene.device.link);
+        }
+        if let Some(card) = shared.card {
+            card.name().clone_into(&mut scene.device.card);
+        }
+        let mut counters = counters;
+        if let Some(drawing) = drawing {
+            override_drawing(&mut scene, drawing)?;
+            counters = match drawing.counters {
+                None => counters,
+                Some(CounterChoice::Visible) => Counters::Visible,
+                Some(CounterChoice::Exact) => Counters::Exact,
+            };
+        }
+        let raster = Options {
+            tile: TileSize::Side64,
+            counters,
+        };
+        let options = SessionOptions::of(&scene, raster).map_err(|error| place(&source, error))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let world = World::build(&scene, folder, progress)?;
+        for remark in &world.remarks {
+            terminal.remark(remark);
+        }
+        for (tree, standing) in scene.trees.iter_mut().zip(&world.trees) {
+            tree.plant_digest = Some(world.crowns[standing.crown].plant().digest());
+        }
+        Ok(Self {
+            scene,
+            world,
+            options,
+        })
+    }
+}
+
+/// Points an unknown name at the line that has it.
+fn place(source: &SceneSource, error: RunError) -> CliError {
+    match &error {
+        RunError::Name { key, .. } => source.error(key, error.to_string()).into(),
+        _ => error.into(),
+    }
+}
+
+fn override_drawing(scene: &mut Scene, drawing: &Drawing) -> Result<(), CliError> {
+    if let Some((width, height)) = drawing.size {
+        scene.size = ImageSize::new(width, height).ok_or_else(|| {
+            CliError::Usage(format!(
+                "--size {width}x{height}: wanted sides of 1 to {} and at most {} pixels",
+                ImageSize::MAX_SIDE,
+                ImageSize::MAX_PIXELS
+            ))
+        })?;
+    }
+    if let Some(samples) = drawing.samples {
+        scene.samples = SampleCount::new(samples)
+            .ok_or_else(|| CliError::Usage(format!("--samples {samples}: wanted 1 or 4")))?;
+    }
+    if let Some(frames) = &drawing.frames
+        && frames.end > scene.frames
+    {
+        return Err(CliError::Usage(format!(
+            "--frames {}..{}: the scene has frames 0..{}",
+            frames.start, frames.end, scene.frames
+        )));
+    }
+    Ok(())
+}
