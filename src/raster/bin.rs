@@ -1,6 +1,7 @@
 //! Which triangles each tile must look at, in the order of submission.
 
-use super::setup::{Chunk, PixelBox, TRIANGLES_A_CHUNK, Triangle};
+use super::setup::{Chunk, TRIANGLES_A_CHUNK, Triangle};
+use super::view::PixelBox;
 use crate::math::index_u32;
 
 /// A triangle of some chunk.
@@ -110,7 +111,7 @@ fn tiles(grid: Grid, pixels: PixelBox) -> [std::ops::Range<usize>; 2] {
 
 /// Whether no edge has the whole tile outside.
 fn touches(grid: Grid, triangle: &Triangle, column: usize, row: usize) -> bool {
-    let side = i64::from(super::setup::SUBPIXELS) << grid.shift;
+    let side = i64::from(super::view::SUBPIXELS) << grid.shift;
     let [left, top] = [column, row].map(|tile| i64::from(index_u32(tile)) * side);
     (0..3).all(|from| {
         let to = (from + 1) % 3;

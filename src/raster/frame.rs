@@ -92,7 +92,7 @@ impl Target {
     /// Gives all samples a linear colour and a depth within [0, 1], and lets nothing show.
     pub fn clear(&mut self, colour: Vec4, depth: f32) {
         self.clear_colour = colour;
-        self.clear_depth = super::setup::clamp_depth(depth).to_bits();
+        self.clear_depth = super::view::clamp_depth(depth).to_bits();
         for block in &mut self.blocks {
             block.used = false;
         }

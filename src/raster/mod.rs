@@ -66,7 +66,9 @@ mod clip;
 mod colour;
 mod cover;
 mod frame;
+mod items;
 mod kernel;
+mod order;
 mod pass;
 mod pixels;
 mod plane;
@@ -74,6 +76,7 @@ mod setup;
 mod shade;
 mod texture;
 mod tile;
+mod view;
 
 pub use colour::decode_srgb;
 pub use frame::{Image, Target};

@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use super::bin::{Bins, Grid};
 use super::frame::{BLOCK_SIDE, Block, Ready, Target};
-use super::setup::{PixelBox, View, primitive_count, set_up};
+use super::setup::{primitive_count, set_up};
 use super::tile::{Scene, Scratch, Tile};
+use super::view::{PixelBox, View};
 use super::{Batch, Counters, MAX_FLATS, MAX_VARYINGS, TileSize, Work};
 
 /// How to rasterize; nothing here changes a picture.
@@ -24,8 +25,8 @@ pub struct Options {
 ///
 /// # Panics
 ///
-/// When a geometry's lists contradict each other or its kernel: lengths are checked where they
-/// enter.
+/// When a geometry's lists contradict each other or its kernel, or there are more than 2²⁸
+/// primitives: lengths are checked where they enter.
 pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> Work {
     for batch in batches {
         check(batch);

@@ -5,7 +5,7 @@
 
 use super::Samples;
 use super::plane::{Edges, coordinates};
-use super::setup::{PixelBox, SUBPIXELS};
+use super::view::{PixelBox, SUBPIXELS};
 
 /// A pixel of which a triangle covers some sample.
 pub(super) struct Covered<'a, const SAMPLES: usize> {
@@ -146,10 +146,13 @@ fn inside(at: [i32; 3], lanes: &Lanes) -> u64 {
     let mut columns = [0_u8; LANES as usize];
     for (lane, column) in columns.iter_mut().enumerate() {
         let signs = (at[0] + lanes[0][lane]) | (at[1] + lanes[1][lane]) | (at[2] + lanes[2][lane]);
-        *column = u8::from(signs >= 0);
+        *column = if signs >= 0 { 1 << lane } else { 0 };
     }
-    // Gathers bit 8 k into bit 56 + k: the factor has the bits 56 − 7 k, and no two products meet.
-    u64::from_le_bytes(columns).wrapping_mul(0x0102_0408_1020_4080) >> 56
+    // Every byte has a bit of its own, so that they are gathered by folding.
+    let folded = u64::from_le_bytes(columns);
+    let folded = folded | folded >> 32;
+    let folded = folded | folded >> 16;
+    (folded | folded >> 8) & 0xff
 }
 
 #[inline]

@@ -1,6 +1,7 @@
 //! Edge functions and what is interpolated by them: exact integers, then `f32` in a stated order.
 
-use super::setup::{Chunk, SUBPIXELS, Triangle, inverse_w};
+use super::setup::{Chunk, Triangle};
+use super::view::{SUBPIXELS, inverse_w};
 use super::{Batch, Fragment, MAX_VARYINGS, Pixel};
 use crate::math::Vec2;
 
@@ -62,7 +63,7 @@ impl Edges {
 #[inline]
 pub(super) fn depth_at(triangle: &Triangle, edges: [f32; 2]) -> f32 {
     let [second, third] = triangle.depth_slopes;
-    super::setup::clamp_depth(triangle.depth + (edges[0] * second + edges[1] * third))
+    super::view::clamp_depth(triangle.depth + (edges[0] * second + edges[1] * third))
 }
 
 /// The second and third edge functions as floats, each rounded once.

@@ -1,11 +1,10 @@
 //! From corners to triangles in sub-pixels: clip, project, snap, turn, drop what covers nothing.
 
-use super::clip::{ClipVertex, MAX_PARTS, Volume};
-use super::{Batch, Geometry, Key, MAX_VARYINGS, Samples, Topology};
-use crate::math::Vec4;
+use super::clip::{ClipVertex, MAX_PARTS};
+use super::view::{PixelBox, Projected, SUBPIXELS, View, inverse_w, range_of, snap};
+use super::{Batch, Geometry, Key, MAX_VARYINGS, Topology};
+use crate::math::{Vec4, index_u32};
 
-/// Sub-pixels a pixel, along each axis.
-pub(super) const SUBPIXELS: i32 = 256;
 /// Primitives that one thread sets up at a time; fixed, so that work is cut the same way always.
 const PRIMITIVES_A_CHUNK: u32 = 512;
 /// The most triangles of a chunk, of which each primitive has two, each cut into some.
@@ -51,13 +50,6 @@ pub(super) struct CutVertices {
     pub(super) varyings: Vec<[f32; MAX_VARYINGS]>,
 }
 
-/// Columns and rows from the first to the last, both within.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct PixelBox {
-    pub(super) first: [i32; 2],
-    pub(super) last: [i32; 2],
-}
-
 /// A range of a batch's primitives.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
@@ -80,7 +72,7 @@ fn work_items(batches: &[Batch<'_>]) -> Vec<Vec<Segment>> {
     let mut item = Vec::new();
     let mut room = PRIMITIVES_A_CHUNK;
     for (batch, number) in batches.iter().zip(0_u32..) {
-        let total = crate::math::index_u32(primitive_count(batch));
+        let total = index_u32(primitive_count(batch));
         let mut first = 0;
         while first < total {
             let count = room.min(total - first);
@@ -124,129 +116,6 @@ pub(super) fn key(batch: &Batch<'_>, triangle: &Triangle) -> Key {
         vertex: triangle.vertex,
         triangle: u32::from(triangle.part),
     }
-}
-
-/// The target as set-up sees it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct View {
-    width: i32,
-    height: i32,
-    /// Half the target in sub-pixels.
-    half: [f64; 2],
-    volume: Volume,
-    /// The first and last sub-pixel of a pixel that has a sample, along each axis.
-    samples: [i32; 2],
-}
-
-impl View {
-    #[expect(
-        clippy::cast_possible_wrap,
-        reason = "sides are at most Target::MAX_SIDE"
-    )]
-    pub(super) fn new(width: u32, height: u32, samples: Samples) -> Self {
-        let half = |side: u32| f64::from(side) * f64::from(SUBPIXELS / 2);
-        let offsets = samples.offsets();
-        let across = offsets.iter().map(|offset| offset[0]);
-        Self {
-            width: width as i32,
-            height: height as i32,
-            half: [half(width), half(height)],
-            volume: Volume::new(width, height),
-            samples: [across.clone().min().unwrap_or(0), across.max().unwrap_or(0)],
-        }
-    }
-
-    /// The pixels with a sample within a box of sub-pixels, its right and lower rim excluded, since
-    /// no triangle covers a sample there.
-    #[inline]
-    fn pixels(&self, x: [i32; 2], y: [i32; 2]) -> Option<PixelBox> {
-        let [least, greatest] = self.samples;
-        let first = |from: i32| ((from - greatest + SUBPIXELS - 1) >> 8).max(0);
-        let last = |to: i32, side: i32| ((to - least - 1) >> 8).min(side - 1);
-        let pixels = PixelBox {
-            first: [first(x[0]), first(y[0])],
-            last: [last(x[1], self.width), last(y[1], self.height)],
-        };
-        let some = pixels.first[0] <= pixels.last[0] && pixels.first[1] <= pixels.last[1];
-        some.then_some(pixels)
-    }
-
-    /// The pixels that a triangle may cover.
-    #[inline]
-    pub(super) fn pixels_of(&self, triangle: &Triangle) -> Option<PixelBox> {
-        self.pixels(range_of(triangle.x), range_of(triangle.y))
-    }
-
-    #[inline]
-    fn project(&self, position: [f64; 4]) -> Projected {
-        let [x, y] = self.subpixels(position);
-        Projected {
-            x: snap(x),
-            y: snap(y),
-            depth: unit_depth(position[2] * (1.0 / position[3])),
-        }
-    }
-
-    /// Where a position lies, in sub-pixels to the right and downwards.
-    #[inline]
-    fn subpixels(&self, position: [f64; 4]) -> [f64; 2] {
-        let [x, y, _, w] = position;
-        let inverse_w = 1.0 / w;
-        [
-            self.half[0] + x * inverse_w * self.half[0],
-            self.half[1] - y * inverse_w * self.half[1],
-        ]
-    }
-}
-
-/// A vertex on the target.
-#[derive(Debug, Clone, Copy)]
-struct Projected {
-    x: i32,
-    y: i32,
-    depth: f32,
-}
-
-/// The nearest sub-pixel, halves to the even one, at most 2²³ from the first.
-#[inline]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "sub-pixels are kept within 2^23, and the sum has rounded already"
-)]
-fn snap(subpixels: f64) -> i32 {
-    // Adding 1.5 · 2⁵² leaves no bits for a fraction; the addition rounds to nearest even.
-    const FURTHEST: f64 = 8_388_608.0;
-    const ROUND: f64 = 6_755_399_441_055_744.0;
-    // Within the guard band already, but for vertices that cutting absurd coordinates made.
-    let subpixels = subpixels.clamp(-FURTHEST, FURTHEST);
-    ((subpixels + ROUND) - ROUND) as i32
-}
-
-/// A depth within [0, 1]; −0 and no number become 0.
-#[inline]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "depths are f32, rounded once"
-)]
-fn unit_depth(depth: f64) -> f32 {
-    clamp_depth(depth as f32)
-}
-
-/// A depth within [0, 1] whose bits order as its value: −0 and no number become 0.
-#[inline]
-pub(super) fn clamp_depth(depth: f32) -> f32 {
-    let depth = if depth > 0.0 { depth } else { 0.0 };
-    if depth < 1.0 { depth } else { 1.0 }
-}
-
-/// One over `w`, as attributes use it.
-#[inline]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "attributes are f32, rounded once"
-)]
-pub(super) fn inverse_w(w: f64) -> f32 {
-    (1.0 / w) as f32
 }
 
 fn set_up_chunk(view: &View, batches: &[Batch<'_>], segments: &[Segment]) -> Chunk {
@@ -339,7 +208,7 @@ impl Builder<'_> {
         if polygon.len() < 3 {
             return;
         }
-        let first = crate::math::index_u32(self.chunk.cut.inverse_w.len());
+        let first = index_u32(self.chunk.cut.inverse_w.len());
         for vertex in polygon {
             self.chunk.cut.push(place, corners, vertex);
         }
@@ -385,7 +254,7 @@ impl Builder<'_> {
             y: snap(at[1] + sign * side[1]),
             ..end
         };
-        let first = crate::math::index_u32(self.chunk.cut.inverse_w.len());
+        let first = index_u32(self.chunk.cut.inverse_w.len());
         for end in &ends {
             let corners = [corners[0], corners[1], corners[1]];
             self.chunk.cut.push(place, corners, end);
@@ -506,10 +375,4 @@ fn beside_the_view(clip: [Vec4; 3]) -> bool {
         || clip.iter().all(|p| p.y > p.w)
         || clip.iter().all(|p| p.z < 0.0)
         || clip.iter().all(|p| p.z > p.w)
-}
-
-#[inline]
-fn range_of(values: [i32; 3]) -> [i32; 2] {
-    let [a, b, c] = values;
-    [a.min(b).min(c), a.max(b).max(c)]
 }

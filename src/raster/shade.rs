@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use super::items::NOBODY;
 use super::pixels::visit_pixels;
 use super::plane::{Attributes, Edges, coordinates, depth_at};
 use super::setup::key;
-use super::tile::{NOBODY, Tile};
+use super::tile::Tile;
 use super::{Counters, Fragment};
 use crate::math::Vec4;
 

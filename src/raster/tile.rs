@@ -5,9 +5,12 @@ use std::ops::Range;
 
 use super::bin::TriangleId;
 use super::frame::{BLOCK_SIDE, NOTHING};
-use super::setup::{Chunk, PixelBox, Triangle, View};
+use super::items::{Item, Items, NOBODY, each_owner};
+use super::order::Order;
+use super::setup::{Chunk, Triangle};
+use super::view::{PixelBox, View};
 use super::{Batch, Blend, Counters, Key, Samples, Work};
-use crate::math::{Vec4, index_u32};
+use crate::math::Vec4;
 
 /// What all tiles of a call share.
 #[derive(Debug)]
@@ -20,9 +23,6 @@ pub(super) struct Scene<'a> {
     pub(super) samples: Samples,
     pub(super) counters: Counters,
 }
-
-/// The owner of a sample that no triangle of the run has won.
-pub(super) const NOBODY: u32 = 0;
 
 /// Memory that a thread uses again for each block.
 #[derive(Debug)]
@@ -225,126 +225,6 @@ impl<'a> Tile<'a> {
                 (key(entry), entry) < (key(owner), owner)
             }
         }
-    }
-}
-
-/// Entries in the order in which they are decided: roughly from near to far.
-#[derive(Debug, Default)]
-struct Order {
-    entries: Vec<u32>,
-    slots: Vec<u8>,
-}
-
-impl Order {
-    /// Sorts by depth into some slots, by counting; within a slot the order stays.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a float becomes a slot by the language's saturating cast"
-    )]
-    fn sort(&mut self, entries: Range<usize>, depth: impl Fn(usize) -> f32) {
-        const SLOTS: usize = 64;
-        let (mut nearest, mut furthest) = (1.0_f32, 0.0_f32);
-        for depth in entries.clone().map(&depth) {
-            nearest = if depth < nearest { depth } else { nearest };
-            furthest = if depth > furthest { depth } else { furthest };
-        }
-        let scale = (SLOTS - 1) as f32 / (furthest - nearest).max(f32::MIN_POSITIVE);
-        self.slots.clear();
-        let mut next = [0_u32; SLOTS + 1];
-        for entry in entries.clone() {
-            let slot = ((depth(entry) - nearest) * scale) as u8 % SLOTS as u8;
-            self.slots.push(slot);
-            next[usize::from(slot) + 1] += 1;
-        }
-        for slot in 1..next.len() {
-            next[slot] += next[slot - 1];
-        }
-        self.entries.clear();
-        self.entries.resize(entries.len(), 0);
-        for (entry, &slot) in entries.zip(&self.slots) {
-            let place = &mut next[usize::from(slot)];
-            self.entries[*place as usize] = index_u32(entry);
-            *place += 1;
-        }
-    }
-}
-
-/// A pixel and those of its samples that one triangle owns.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Item(u32);
-
-impl Item {
-    fn new(index: usize, mask: u32) -> Self {
-        Self(index_u32(index) << 4 | mask)
-    }
-
-    #[inline]
-    pub(super) fn index(self) -> usize {
-        (self.0 >> 4) as usize
-    }
-
-    #[inline]
-    pub(super) fn mask(self) -> u32 {
-        self.0 & 15
-    }
-}
-
-/// The pixels that each triangle of a run must be shaded at.
-#[derive(Debug, Default)]
-pub(super) struct Items {
-    first_entry: usize,
-    starts: Vec<u32>,
-    pub(super) list: Vec<Item>,
-}
-
-impl Items {
-    /// The places in the list of an entry's pixels.
-    #[inline]
-    pub(super) fn of(&self, entry: usize) -> Range<usize> {
-        let at = entry - self.first_entry;
-        self.starts[at] as usize..self.starts[at + 1] as usize
-    }
-
-    fn begin(&mut self, entries: Range<usize>) {
-        self.first_entry = entries.start;
-        self.starts.clear();
-        self.starts.resize(entries.len() + 2, 0);
-    }
-
-    /// Counts are kept two places on, so that filling leaves the starts in place.
-    fn count(&mut self, owner: u32) {
-        self.starts[owner as usize - 1 - self.first_entry + 2] += 1;
-    }
-
-    fn lay_out(&mut self) {
-        for at in 1..self.starts.len() {
-            self.starts[at] += self.starts[at - 1];
-        }
-        let total = self.starts[self.starts.len() - 1] as usize;
-        self.list.clear();
-        self.list.resize(total, Item::default());
-    }
-
-    fn put(&mut self, owner: u32, item: Item) {
-        let next = &mut self.starts[owner as usize - 1 - self.first_entry + 1];
-        self.list[*next as usize] = item;
-        *next += 1;
-    }
-}
-
-/// Hands over each distinct owner of a pixel's samples with the bits of its samples.
-#[inline]
-fn each_owner<const SAMPLES: usize>(owners: &[u32; SAMPLES], mut each: impl FnMut(u32, u32)) {
-    for (sample, &owner) in owners.iter().enumerate() {
-        if owner == NOBODY || owners[..sample].contains(&owner) {
-            continue;
-        }
-        let mut mask = 0;
-        for (other, &theirs) in owners.iter().enumerate() {
-            mask |= u32::from(theirs == owner) << other;
-        }
-        each(owner, mask);
     }
 }
 

@@ -125,6 +125,28 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Small triangles are decided in lanes, large ones pixel by pixel: a triangle in the middle of a
+    /// target covers what it covers when one of its corners is moved out along an edge.
+    #[test]
+    fn large_triangles_cover_as_small_ones_do(
+        a in any_place(), b in any_place(), c in any_place(), reach in 20_i32..40,
+    ) {
+        let count = |corners: [[i32; 2]; 3]| {
+            let mut drawing = Drawing::new(16, 16);
+            drawing.shape(&corners.map(|p| p.map(|p| p as f32 / 256.0)), 0.5, [1.0; 4]);
+            let (_, work) = drawing.render(Topology::TriangleList, &Plain);
+            work.covered
+        };
+        let [a, b, c] = [a, b, c].map(|place| place.map(i32::from));
+        let far = [0, 1].map(|k| a[k] + (b[k] - a[k]) * reach);
+        // The large triangle a, far, c is the small one and the rest of it, cut from c to b.
+        prop_assert_eq!(count([a, far, c]), count([a, b, c]) + count([b, far, c]));
+    }
+}
+
 /// The reference: crossing numbers of a ray to the right of a point, moved up and left by less than
 /// anything, which is what the top-left rule amounts to.
 fn covers(corners: [[i16; 2]; 3], point: [i32; 2]) -> bool {

@@ -66,6 +66,20 @@ fn equal_depths_go_to_the_least_key() {
 }
 
 #[test]
+fn equal_keys_go_to_the_first_submitted() {
+    let mut drawing = Drawing::new(4, 4);
+    drawing.shape(&WHOLE, 0.5, [0.5, 0.0, 0.0, 1.0]);
+    drawing.shape(&WHOLE, 0.5, [1.0, 0.0, 0.0, 1.0]);
+    drawing.geometry.vertex_ids = vec![0, 1, 2, 3, 0, 1, 2, 3];
+    let (mut target, _) = drawing.render(Topology::QuadList, &Plain);
+    assert_eq!(target.colour(1, 2).x, 0.5);
+    drawing.geometry.flats[0] = 0.25;
+    let again = [drawing.batch(Topology::QuadList, &Plain)];
+    assert_eq!(render(&mut target, &again, &QUICK).visible, 0);
+    assert_eq!(target.colour(1, 2).x, 0.5);
+}
+
+#[test]
 fn the_far_plane_does_not_show_over_a_cleared_target() {
     let mut drawing = Drawing::new(4, 4);
     drawing.shape(&WHOLE, 1.0, RED);
