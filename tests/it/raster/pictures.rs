@@ -1,7 +1,7 @@
 //! Small triangles, drawn.
 
 use super::{Drawing, EXACT, Plain, letters};
-use spinney::raster::{Samples, Topology};
+use spinney::raster::{Samples, Target, Topology};
 
 const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
 
@@ -121,6 +121,29 @@ fn a_quad_covers_three_eighths_of_the_target() {
         let red = target.resolve();
         let painted = red.rgba.chunks(4).filter(|pixel| pixel[0] == 255).count();
         assert_eq!(painted * 1000, 256 * 100 * 375);
+    }
+}
+
+#[test]
+fn the_widest_targets_are_filled_to_the_rim() {
+    for [width, height] in [[Target::MAX_SIDE, 2], [2, Target::MAX_SIDE]] {
+        let [w, h] = [width as f32, height as f32];
+        let mut drawing = Drawing::new(width, height);
+        // Far beyond the rim, and cut at the guard band.
+        drawing.shape(
+            &[
+                [-9.0 * w, -9.0 * h],
+                [-9.0 * w, 10.0 * h],
+                [10.0 * w, 10.0 * h],
+                [10.0 * w, -9.0 * h],
+            ],
+            0.5,
+            RED,
+        );
+        let (target, work) = drawing.render(Topology::QuadList, &Plain);
+        assert_eq!(work.covered, 2 * u64::from(Target::MAX_SIDE));
+        assert_eq!(work.visible, work.covered);
+        assert_eq!(target.colour(width - 1, height - 1).x, 1.0);
     }
 }
 
