@@ -128,7 +128,8 @@ impl<'a> Attributes<'a> {
         let over_w = if triangle.cut {
             corners.map(|corner| chunk.cut.inverse_w[corner])
         } else {
-            corners.map(|corner| inverse_w(f64::from(geometry.clip[corner].w)))
+            let over = |corner: usize| inverse_w(f64::from(geometry.clip[corner].w));
+            [over(corners[0]), over(corners[1]), over(corners[2])]
         };
         let mut varyings = [Plane::default(); MAX_VARYINGS];
         if triangle.cut {
@@ -138,8 +139,8 @@ impl<'a> Attributes<'a> {
                 *plane = Plane::new(values, inverse_area);
             }
         } else {
-            let at =
-                corners.map(|corner| &geometry.varyings[corner * F::VARYINGS..][..F::VARYINGS]);
+            let of = |corner: usize| &geometry.varyings[corner * F::VARYINGS..][..F::VARYINGS];
+            let at = [of(corners[0]), of(corners[1]), of(corners[2])];
             for (k, plane) in varyings[..F::VARYINGS].iter_mut().enumerate() {
                 let values = std::array::from_fn(|c| at[c][k] * over_w[c]);
                 *plane = Plane::new(values, inverse_area);

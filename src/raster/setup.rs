@@ -173,11 +173,12 @@ impl Builder<'_> {
         let Some((corners, vertex)) = lowest_first(place.geometry, corners) else {
             return;
         };
-        let clip = corners.map(|corner| place.geometry.clip[corner as usize]);
+        let at = |corner: u32| place.geometry.clip[corner as usize];
+        let clip = [at(corners[0]), at(corners[1]), at(corners[2])];
         if !clip.iter().all(|position| position.is_finite()) || beside_the_view(clip) {
             return;
         }
-        let positions = clip.map(|position| position.to_array().map(f64::from));
+        let positions = [widen(clip[0]), widen(clip[1]), widen(clip[2])];
         let source = Source {
             batch: place.batch,
             primitive: place.primitive,
@@ -189,7 +190,12 @@ impl Builder<'_> {
             .iter()
             .all(|&position| self.view.volume.contains(position))
         {
-            let projected = positions.map(|position| self.view.project(position));
+            let [a, b, c] = positions;
+            let projected = [
+                self.view.project(a),
+                self.view.project(b),
+                self.view.project(c),
+            ];
             self.emit(projected, corners, source);
         } else {
             let polygon = self.view.volume.clip_triangle(positions);
@@ -235,7 +241,7 @@ impl Builder<'_> {
         if !clip.iter().all(|position| position.is_finite()) {
             return;
         }
-        let positions = clip.map(|position| position.to_array().map(f64::from));
+        let positions = clip.map(widen);
         let Some(ends) = self.view.volume.clip_line(positions) else {
             return;
         };
@@ -364,6 +370,12 @@ fn lowest_first(geometry: &Geometry, corners: [u32; 3]) -> Option<([u32; 3], u32
         [c, a, b]
     };
     Some((turned, id_a))
+}
+
+#[inline]
+fn widen(position: Vec4) -> [f64; 4] {
+    let Vec4 { x, y, z, w } = position;
+    [x.into(), y.into(), z.into(), w.into()]
 }
 
 /// Whether all corners are on the far side of one plane of the view, where no pixel is.
