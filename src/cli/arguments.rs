@@ -194,15 +194,16 @@ fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
 fn size(text: &str) -> Result<(u32, u32), String> {
     let wrong = || "wanted width x height in pixels, such as 640x480".to_owned();
     let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    let number = |digits: &str| digits.parse().map_err(|_: std::num::ParseIntError| wrong());
-    Ok((number(width)?, number(height)?))
+    Ok((
+        number(width).ok_or_else(wrong)?,
+        number(height).ok_or_else(wrong)?,
+    ))
 }
 
 fn frames(text: &str) -> Result<Range<u32>, String> {
     let wrong = || "wanted first..end, such as 0..10, with end after first".to_owned();
     let (first, end) = text.split_once("..").ok_or_else(wrong)?;
-    let number = |digits: &str| digits.parse().map_err(|_: std::num::ParseIntError| wrong());
-    let range = number(first)?..number(end)?;
+    let range = number(first).ok_or_else(wrong)?..number(end).ok_or_else(wrong)?;
     if range.is_empty() {
         Err(wrong())
     } else {
@@ -213,16 +214,19 @@ fn frames(text: &str) -> Result<Range<u32>, String> {
 fn shard(text: &str) -> Result<Shard, String> {
     let wrong = || "wanted index/count, such as 0/4, with the index below the count".to_owned();
     let (index, count) = text.split_once('/').ok_or_else(wrong)?;
-    let number = |digits: &str| digits.parse().map_err(|_: std::num::ParseIntError| wrong());
     let shard = Shard {
-        index: number(index)?,
-        count: number(count)?,
+        index: number(index).ok_or_else(wrong)?,
+        count: number(count).ok_or_else(wrong)?,
     };
     if shard.index < shard.count {
         Ok(shard)
     } else {
         Err(wrong())
     }
+}
+
+fn number(digits: &str) -> Option<u32> {
+    digits.parse().ok()
 }
 
 #[cfg(test)]

@@ -88,8 +88,10 @@ fn cache_misses(corners: &[u32]) -> u64 {
 }
 
 /// What each primitive of a draw pulls from host memory.
+///
+/// `key` is the draw's group and instance.
 pub(super) fn fetched(
-    arguments: &Arguments,
+    (group, instance): (u32, u32),
     corners: &[u32],
     corners_per_primitive: usize,
     indices: Option<&Buffer>,
@@ -109,8 +111,8 @@ pub(super) fn fetched(
             }
         }
         Fetched {
-            group: arguments.group,
-            instance: arguments.instance,
+            group,
+            instance,
             vertex: primitive[0],
             bytes,
         }

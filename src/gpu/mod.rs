@@ -29,6 +29,7 @@ mod execute;
 mod ledger;
 mod link;
 mod pass;
+mod plan;
 mod program;
 mod queue;
 mod reads;

@@ -1,5 +1,6 @@
 //! Buffers, textures and targets: labels, usages, where they live.
 
+use super::GpuError;
 use crate::raster::{MipMap, Samples, Target};
 
 macro_rules! handles {
@@ -128,6 +129,19 @@ pub(super) struct Buffer {
     pub(super) usage: Usage,
     pub(super) residency: Residency,
     pub(super) bytes: Vec<u8>,
+}
+
+impl Buffer {
+    pub(super) fn check_usage(&self, wanted: Usage) -> Result<(), GpuError> {
+        if self.usage.contains(wanted) {
+            return Ok(());
+        }
+        Err(GpuError::Usage {
+            label: self.label.clone(),
+            has: format!("{:?}", self.usage),
+            wanted: format!("{wanted:?}"),
+        })
+    }
 }
 
 #[derive(Debug)]

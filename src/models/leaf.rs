@@ -252,6 +252,19 @@ struct Surface<'a> {
 }
 
 impl LeafFragment<'_> {
+    /// A bilinear read takes four texels; leaves without a texture share the draw's figure.
+    fn texels_read(&self) -> u64 {
+        if self
+            .surfaces
+            .iter()
+            .any(|surface| surface.texture.is_some())
+        {
+            4
+        } else {
+            0
+        }
+    }
+
     fn surface(&self, pixel: &Pixel<'_>) -> &Surface<'_> {
         // Constant over the leaf, so the bits arrive as the vertex stage wrote them.
         &self.surfaces[pixel.flats[2].to_bits() as usize]
@@ -270,6 +283,14 @@ impl Fragment for LeafFragment<'_> {
             texture.alpha(coordinate(pixel), level, Wrap::Clamp)
         });
         alpha * surface.base_color.w >= surface.alpha_cutoff
+    }
+
+    fn texels_tested(&self) -> u64 {
+        self.texels_read()
+    }
+
+    fn texels_shaded(&self) -> u64 {
+        self.texels_read()
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {

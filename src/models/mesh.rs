@@ -197,6 +197,19 @@ impl Fragment for MeshFragment<'_> {
         texture.alpha(coordinate, level, Wrap::Repeat) >= self.alpha_cutoff
     }
 
+    fn texels_tested(&self) -> u64 {
+        if self.alpha_cutoff > 0.0 {
+            self.texels_shaded()
+        } else {
+            0
+        }
+    }
+
+    fn texels_shaded(&self) -> u64 {
+        // A bilinear read takes four.
+        if self.texture.is_some() { 4 } else { 0 }
+    }
+
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
         let [u, v, nx, ny, nz, ..] = *pixel.varyings;
         let texel = self.texture.map_or(Vec3::ONE, |texture| {

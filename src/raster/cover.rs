@@ -24,6 +24,7 @@ fn cover_triangle<F: Fragment, const SAMPLES: usize>(
     entry: usize,
 ) {
     let (triangle, chunk, batch) = tile.triangle(entry);
+    let number = triangle.batch;
     let Some(pixels) = tile.pixels_of(triangle) else {
         return;
     };
@@ -45,7 +46,7 @@ fn cover_triangle<F: Fragment, const SAMPLES: usize>(
             *place = depth;
         }
         if exact {
-            tile.work.covered += u64::from(covered.mask.count_ones());
+            tile.work(number).covered += u64::from(covered.mask.count_ones());
         } else if winning == 0 {
             return;
         }
@@ -58,11 +59,11 @@ fn cover_triangle<F: Fragment, const SAMPLES: usize>(
                 kernel.keeps(pixel)
             });
             if exact {
-                tile.work.texels += kernel.texels_tested();
+                tile.work(number).texels += kernel.texels_tested();
             }
             if !keeps {
                 if exact {
-                    tile.work.alpha_killed += u64::from(covered.mask.count_ones());
+                    tile.work(number).alpha_killed += u64::from(covered.mask.count_ones());
                 }
                 return;
             }

@@ -18,7 +18,8 @@ pub struct Options {
     pub counters: Counters,
 }
 
-/// Draws batches into a target, in the order of submission as far as order matters.
+/// Draws batches into a target, in the order of submission as far as order matters, and returns the
+/// work of each.
 ///
 /// What was drawn before stays and is tested against, by depth and key. Runs in rayon's current
 /// pool. Primitives with a corner that names no vertex are dropped, as are left-over corners.
@@ -27,13 +28,14 @@ pub struct Options {
 ///
 /// When a geometry's lists contradict each other or its kernel, or there are more than 2²⁸
 /// primitives: lengths are checked where they enter.
-pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> Work {
+pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> Vec<Work> {
+    let mut sums = vec![Work::default(); batches.len()];
     for batch in batches {
         check(batch);
     }
     let (width, height, samples) = (target.width(), target.height(), target.samples());
     if width == 0 || height == 0 {
-        return Work::default();
+        return sums;
     }
     let view = View::new(width, height, samples);
     let scene = Scene {
@@ -53,7 +55,7 @@ pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> 
     };
     let bins = Bins::new(grid, &scene.chunks);
     let (ready, columns, blocks) = target.parts();
-    let works: Vec<Work> = blocks
+    let works: Vec<Vec<(u32, Work)>> = blocks
         .par_iter_mut()
         .with_max_len(1)
         .enumerate()
@@ -65,7 +67,10 @@ pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> 
             },
         )
         .collect();
-    works.iter().fold(Work::default(), Work::plus)
+    for (batch, work) in works.iter().flatten() {
+        sums[*batch as usize] = sums[*batch as usize].plus(work);
+    }
+    sums
 }
 
 fn draw_block(
@@ -76,10 +81,9 @@ fn draw_block(
     place: [usize; 2],
     block: &mut Block,
     scratch: &mut Scratch,
-) -> Work {
+) -> Vec<(u32, Work)> {
     let side = 1 << grid.shift;
     let tiles = (BLOCK_SIDE >> grid.shift) as usize;
-    let mut work = Work::default();
     scratch.reset();
     for row in place[1] * tiles..(place[1] + 1) * tiles {
         for column in place[0] * tiles..(place[0] + 1) * tiles {
@@ -102,13 +106,11 @@ fn draw_block(
                 colour: &mut block.colour,
                 shown: &mut block.shown,
                 scratch: &mut *scratch,
-                work: Work::default(),
             };
             tile.draw();
-            work = work.plus(&tile.work);
         }
     }
-    work
+    scratch.take_works()
 }
 
 /// Numbers the runs of batches that blend alike; empty batches belong to the run before them.
@@ -148,6 +150,12 @@ fn check(batch: &Batch<'_>) {
 }
 
 impl Work {
+    /// The work of all.
+    #[must_use]
+    pub fn total(works: &[Self]) -> Self {
+        works.iter().fold(Self::default(), Self::plus)
+    }
+
     /// The work of both.
     #[must_use]
     pub fn plus(self, other: &Self) -> Self {

@@ -23,6 +23,7 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
             continue;
         }
         let (triangle, chunk, batch) = tile.triangle(entry);
+        let number = triangle.batch;
         let edges = Edges::of(triangle);
         let attributes = Attributes::of::<F>(triangle, &edges, chunk, batch);
         let shown = key(batch, triangle);
@@ -41,12 +42,13 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
                     tile.colour[index] = colour;
                     tile.shown[index] = shown;
                     tile.scratch.owner[index] = NOBODY;
-                    tile.work.visible += u64::from(!tile.scratch.drawn[index]);
+                    let first_time = !tile.scratch.drawn[index];
+                    tile.work(number).visible += u64::from(first_time);
                     tile.scratch.drawn[index] = true;
                 }
             }
             if exact {
-                tile.work.texels += kernel.texels_shaded();
+                tile.work(number).texels += kernel.texels_shaded();
             }
         }
     }
@@ -61,6 +63,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
     let exact = tile.scene.counters == Counters::Exact;
     for entry in entries {
         let (triangle, chunk, batch) = tile.triangle(entry);
+        let number = triangle.batch;
         let edges = Edges::of(triangle);
         let mut attributes = None;
         let Some(pixels) = tile.pixels_of(triangle) else {
@@ -76,7 +79,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
             }
             nearer &= covered.mask;
             if exact {
-                tile.work.covered += u64::from(covered.mask.count_ones());
+                tile.work(number).covered += u64::from(covered.mask.count_ones());
             } else if nearer == 0 {
                 return;
             }
@@ -91,19 +94,19 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
             });
             if exact {
                 if F::TESTS_ALPHA {
-                    tile.work.texels += kernel.texels_tested();
+                    tile.work(number).texels += kernel.texels_tested();
                 }
                 if killed {
-                    tile.work.alpha_killed += u64::from(covered.mask.count_ones());
+                    tile.work(number).alpha_killed += u64::from(covered.mask.count_ones());
                 }
                 if colour.is_some() {
-                    tile.work.texels += kernel.texels_shaded();
+                    tile.work(number).texels += kernel.texels_shaded();
                 }
             }
             let Some(colour) = colour else {
                 return;
             };
-            tile.work.visible += u64::from(nearer.count_ones());
+            tile.work(number).visible += u64::from(nearer.count_ones());
             for sample in 0..SAMPLES {
                 if nearer >> sample & 1 == 1 {
                     let there = &mut tile.colour[first + sample];

@@ -35,6 +35,37 @@ pub(super) struct Scratch {
     order: Order,
     /// Batches of the opaque run with their entries.
     groups: Vec<(u32, Range<usize>)>,
+    /// The work of the block, by batch.
+    works: Works,
+}
+
+/// Work by batch; most blocks see few batches.
+#[derive(Debug, Default)]
+struct Works {
+    of_batch: Vec<Work>,
+    touched: Vec<u32>,
+}
+
+impl Works {
+    fn of(&mut self, batch: u32) -> &mut Work {
+        let index = batch as usize;
+        if self.of_batch.len() <= index {
+            self.of_batch.resize(index + 1, Work::default());
+        }
+        if self.of_batch[index] == Work::default() {
+            self.touched.push(batch);
+        }
+        &mut self.of_batch[index]
+    }
+
+    /// What was counted, by ascending batch; counting starts anew.
+    fn take(&mut self) -> Vec<(u32, Work)> {
+        self.touched.sort_unstable();
+        self.touched.dedup();
+        let of_batch = &mut self.of_batch;
+        let take = |batch: u32| (batch, std::mem::take(&mut of_batch[batch as usize]));
+        self.touched.drain(..).map(take).collect()
+    }
 }
 
 impl Scratch {
@@ -46,7 +77,13 @@ impl Scratch {
             items: Items::default(),
             order: Order::default(),
             groups: Vec::new(),
+            works: Works::default(),
         }
+    }
+
+    /// The work of the block by ascending batch; counting starts anew.
+    pub(super) fn take_works(&mut self) -> Vec<(u32, Work)> {
+        self.works.take()
     }
 
     /// Forgets the block before.
@@ -69,10 +106,15 @@ pub struct Tile<'a> {
     pub(super) colour: &'a mut [Vec4],
     pub(super) shown: &'a mut [Key],
     pub(super) scratch: &'a mut Scratch,
-    pub(super) work: Work,
 }
 
 impl<'a> Tile<'a> {
+    /// Where the work of a batch is counted.
+    #[inline]
+    pub(super) fn work(&mut self, batch: u32) -> &mut Work {
+        self.scratch.works.of(batch)
+    }
+
     /// Draws all triangles of the tile.
     pub(super) fn draw(&mut self) {
         let mut entry = 0;

@@ -1,10 +1,9 @@
 //! One scene drawn in many ways, to the same bits.
 
-use super::{Coordinates, Drawing, Plain, Quarter, batch, contents};
+use super::{Coordinates, Drawing, Plain, Quarter, batch, contents, render};
 use spinney::math::{Stream, Vec4};
 use spinney::raster::{
     Batch, Blend, Counters, Geometry, Image, Options, Samples, Target, TileSize, Topology, Work,
-    render,
 };
 
 const SIZE: [u32; 2] = [150, 101];

@@ -8,8 +8,13 @@ mod rules;
 use spinney::math::{Vec2, Vec4};
 use spinney::raster::{
     Batch, Blend, Counters, Fragment, Geometry, Kernel, Options, Pixel, Samples, Target, TileSize,
-    Topology, Work, render,
+    Topology, Work,
 };
+
+/// Draws, and adds up the work of all batches.
+pub(crate) fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> Work {
+    Work::total(&spinney::raster::render(target, batches, options))
+}
 
 pub(crate) const EXACT: Options = Options {
     tile: TileSize::Side64,

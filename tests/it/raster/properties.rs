@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::{Coordinates, Drawing, EXACT, Plain, QUICK, batch};
+use super::{Coordinates, Drawing, EXACT, Plain, QUICK, batch, render};
 use spinney::math::Vec4;
-use spinney::raster::{Samples, Target, Topology, render};
+use spinney::raster::{Samples, Target, Topology};
 
 /// Floats of all kinds, with a taste for the limits.
 fn any_float() -> impl Strategy<Value = f32> {

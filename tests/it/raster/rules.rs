@@ -1,8 +1,8 @@
 //! Ties, order, clipping, attributes and counters.
 
-use super::{Coordinates, Drawing, EXACT, Plain, QUICK, Quarter, batch, letters};
+use super::{Coordinates, Drawing, EXACT, Plain, QUICK, Quarter, batch, letters, render};
 use spinney::math::{DVec3, Vec4};
-use spinney::raster::{Batch, Blend, Key, Samples, Target, Topology, Work, render};
+use spinney::raster::{Batch, Blend, Key, Samples, Target, Topology, Work};
 
 const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
 const WHOLE: [[f32; 2]; 4] = [[0.0, 0.0], [0.0, 4.0], [4.0, 4.0], [4.0, 0.0]];

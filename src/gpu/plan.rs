@@ -1,0 +1,334 @@
+//! Resolves a pass into draws with every argument checked.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::assemble::{Arguments, corners};
+use super::pass::{
+    BIND_BYTES, Corners, DRAW_BYTES, DrawFromCounter, DrawIndirect, INDIRECT_BYTES, PASS_BYTES,
+    RenderPass, Step,
+};
+use super::program::{Bindings, MAX_SLOTS, Program, Words};
+use super::resource::Buffer;
+use super::{BufferId, Device, GpuError, IndirectRecord, Residency, TextureId, Usage};
+use crate::math::index_u32;
+use crate::raster::Topology;
+
+/// A pass with every argument checked.
+pub(super) struct Plan {
+    pub(super) draws: Vec<PlannedDraw>,
+    pub(super) command_bytes: u64,
+    /// Draw arguments read from buffers.
+    pub(super) argument_reads: Vec<(BufferId, Range<usize>)>,
+}
+
+/// The records of one step: drawn as one, since only their key tells them apart, and they share it.
+pub(super) struct PlannedDraw {
+    pub(super) state: Arc<State>,
+    pub(super) topology: Topology,
+    pub(super) source: Corners,
+    pub(super) group: u32,
+    pub(super) instance: u32,
+    /// How many draws the step counts for.
+    pub(super) draws: u64,
+    /// The runs of corners, as `(first, count)`.
+    pub(super) runs: Vec<(u32, u32)>,
+    pub(super) corners: Vec<u32>,
+}
+
+/// What is bound.
+#[derive(Clone)]
+pub(super) struct State {
+    pub(super) program: Arc<dyn Program>,
+    pub(super) vertices: Option<BufferId>,
+    pub(super) indices: Option<BufferId>,
+    pub(super) storage: [Option<BufferId>; MAX_SLOTS],
+    textures: [Option<TextureId>; MAX_SLOTS],
+}
+
+impl State {
+    pub(super) fn bindings<'a>(&self, device: &'a Device) -> Bindings<'a> {
+        let words = |id: BufferId| {
+            let buffer = device.buffer(id).expect("checked by the plan");
+            Words::of(id, buffer, device.reads.as_ref())
+        };
+        Bindings {
+            vertices: self.vertices.map_or_else(Words::default, words),
+            storage: self.storage.map(|slot| slot.map(words)),
+            textures: self.textures.map(|slot| {
+                slot.map(|id| &device.texture(id).expect("checked by the plan").texels)
+            }),
+        }
+    }
+
+    /// The bound buffers that the input assembler reads, for a draw of this source.
+    pub(super) fn inputs<'a>(
+        &self,
+        device: &'a Device,
+        source: Corners,
+    ) -> Result<Inputs<'a>, GpuError> {
+        let layout = self.program.layout();
+        let unbound = |what| GpuError::Unbound {
+            program: layout.name.to_owned(),
+            what,
+            slot: 0,
+        };
+        let indices = match source {
+            Corners::Counted => None,
+            Corners::Indexed => {
+                let buffer = device.buffer(self.indices.ok_or_else(|| unbound("index buffer"))?)?;
+                buffer.check_usage(Usage::INDEX)?;
+                Some(buffer)
+            }
+        };
+        let vertices = match layout.vertex_stride {
+            0 => None,
+            stride => {
+                let id = self.vertices.ok_or_else(|| unbound("vertex buffer"))?;
+                let buffer = device.buffer(id)?;
+                buffer.check_usage(Usage::VERTEX)?;
+                Some((buffer, stride))
+            }
+        };
+        for slot in 0..layout.storage_slots {
+            let missing = || GpuError::Unbound {
+                program: layout.name.to_owned(),
+                what: "storage buffer",
+                slot,
+            };
+            let id = self
+                .storage
+                .get(slot as usize)
+                .copied()
+                .flatten()
+                .ok_or_else(missing)?;
+            device.buffer(id)?.check_usage(Usage::STORAGE)?;
+        }
+        for slot in 0..layout.texture_slots {
+            let missing = || GpuError::Unbound {
+                program: layout.name.to_owned(),
+                what: "texture",
+                slot,
+            };
+            let id = self
+                .textures
+                .get(slot as usize)
+                .copied()
+                .flatten()
+                .ok_or_else(missing)?;
+            device.texture(id)?;
+        }
+        Ok((indices, vertices))
+    }
+}
+
+/// The index buffer, and the vertex buffer with its stride, as far as a draw reads them.
+pub(super) type Inputs<'a> = (Option<&'a Buffer>, Option<(&'a Buffer, u32)>);
+
+pub(super) fn corners_per_primitive(topology: Topology) -> usize {
+    match topology {
+        Topology::TriangleList => 3,
+        Topology::QuadList => 4,
+        Topology::LineList => 2,
+    }
+}
+
+pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError> {
+    let mut plan = Plan {
+        draws: Vec::new(),
+        command_bytes: PASS_BYTES,
+        argument_reads: Vec::new(),
+    };
+    let mut state: Option<Arc<State>> = None;
+    let mut vertices = None;
+    let mut indices = None;
+    let mut storage = [None; MAX_SLOTS];
+    let mut textures = [None; MAX_SLOTS];
+    let mut program: Option<Arc<dyn Program>> = None;
+    for step in &pass.steps {
+        let drawn = match *step {
+            Step::Program(id) => {
+                let found = device.programs.get(id.index() as usize);
+                let index = id.index();
+                program = Some(
+                    found
+                        .ok_or(GpuError::Unknown {
+                            what: "program",
+                            index,
+                        })?
+                        .clone(),
+                );
+                None
+            }
+            Step::Vertices(buffer) => {
+                vertices = Some(buffer);
+                None
+            }
+            Step::Indices(buffer) => {
+                indices = Some(buffer);
+                None
+            }
+            Step::Storage { slot, buffer } => {
+                device.buffer(buffer)?;
+                *slot_mut(&mut storage, slot)? = Some(buffer);
+                None
+            }
+            Step::Texture { slot, texture } => {
+                device.texture(texture)?;
+                *slot_mut(&mut textures, slot)? = Some(texture);
+                None
+            }
+            Step::NoTexture { slot } => {
+                *slot_mut(&mut textures, slot)? = None;
+                None
+            }
+            Step::Draw(draw) => {
+                plan.command_bytes += DRAW_BYTES;
+                Some(vec![Arguments {
+                    source: draw.source,
+                    first_corner: draw.first_corner,
+                    corner_count: draw.corner_count,
+                    instance: draw.instance,
+                    group: draw.group,
+                }])
+            }
+            Step::DrawIndirect(draw) => {
+                // Arguments in host memory go into the command stream as plain draws.
+                let each = match device.buffer(draw.arguments)?.residency {
+                    Residency::Device => INDIRECT_BYTES,
+                    Residency::Host => DRAW_BYTES,
+                };
+                plan.command_bytes += each * u64::from(draw.count);
+                let (arguments, range) = indirect_arguments(device, &draw)?;
+                plan.argument_reads.push((draw.arguments, range));
+                Some(arguments)
+            }
+            Step::DrawFromCounter(draw) => {
+                plan.command_bytes += DRAW_BYTES;
+                let (arguments, range) = counter_arguments(device, &draw)?;
+                plan.argument_reads.push((draw.counter, range));
+                Some(vec![arguments])
+            }
+        };
+        let Some(drawn) = drawn else {
+            plan.command_bytes += BIND_BYTES;
+            state = None;
+            continue;
+        };
+        if state.is_none() {
+            let program = program.clone().ok_or(GpuError::Unbound {
+                program: String::new(),
+                what: "program",
+                slot: 0,
+            })?;
+            state = Some(Arc::new(State {
+                program,
+                vertices,
+                indices,
+                storage,
+                textures,
+            }));
+        }
+        let state = state.as_ref().expect("set above");
+        for together in drawn.chunk_by(|a, b| a.instance == b.instance) {
+            plan.draws.push(plan_draw(device, state, together)?);
+        }
+    }
+    Ok(plan)
+}
+
+fn slot_mut<T>(slots: &mut [Option<T>; MAX_SLOTS], slot: u32) -> Result<&mut Option<T>, GpuError> {
+    slots.get_mut(slot as usize).ok_or(GpuError::Unknown {
+        what: "binding slot",
+        index: slot,
+    })
+}
+
+fn plan_draw(
+    device: &Device,
+    state: &Arc<State>,
+    records: &[Arguments],
+) -> Result<PlannedDraw, GpuError> {
+    let layout = state.program.layout();
+    let wanted = corners_per_primitive(layout.topology);
+    let first = records[0];
+    let (indices, vertices) = state.inputs(device, first.source)?;
+    let mut draw = PlannedDraw {
+        state: Arc::clone(state),
+        topology: layout.topology,
+        source: first.source,
+        group: first.group,
+        instance: first.instance,
+        draws: records.len() as u64,
+        runs: Vec::with_capacity(records.len()),
+        corners: Vec::new(),
+    };
+    for record in records {
+        if !(record.corner_count as usize).is_multiple_of(wanted) {
+            return Err(GpuError::Corners {
+                program: layout.name.to_owned(),
+                corners: record.corner_count,
+                wanted: index_u32(wanted),
+            });
+        }
+        draw.corners.extend(corners(record, indices, vertices)?);
+        draw.runs.push((record.first_corner, record.corner_count));
+    }
+    Ok(draw)
+}
+
+fn indirect_arguments(
+    device: &Device,
+    draw: &DrawIndirect,
+) -> Result<(Vec<Arguments>, Range<usize>), GpuError> {
+    let buffer = device.buffer(draw.arguments)?;
+    buffer.check_usage(Usage::INDIRECT)?;
+    let size = IndirectRecord::STRIDE * u64::from(draw.count);
+    let range = buffer.range(draw.offset, size, "indirect draw")?;
+    let words: Vec<u32> = buffer.bytes[range.clone()]
+        .chunks_exact(4)
+        .map(|four| u32::from_le_bytes(four.try_into().expect("chunks of four bytes")))
+        .collect();
+    let arguments = words
+        .chunks_exact(4)
+        .map(|record| {
+            if record[1] > 1 {
+                return Err(GpuError::Unsupported {
+                    what: format!("{} instances", record[1]),
+                });
+            }
+            Ok(Arguments {
+                source: draw.source,
+                first_corner: record[2],
+                corner_count: record[0] * record[1],
+                instance: record[3],
+                group: draw.group,
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    Ok((arguments, range))
+}
+
+fn counter_arguments(
+    device: &Device,
+    draw: &DrawFromCounter,
+) -> Result<(Arguments, Range<usize>), GpuError> {
+    let buffer = device.buffer(draw.counter)?;
+    buffer.check_usage(Usage::INDIRECT)?;
+    let range = buffer.range(draw.offset, 4, "draw from a counter")?;
+    let four = buffer.bytes[range.clone()]
+        .try_into()
+        .expect("a range of four bytes");
+    let first = match u32::from_le_bytes(four) {
+        u32::MAX => 0,
+        counter => counter.saturating_mul(draw.scale).min(draw.end),
+    };
+    let arguments = Arguments {
+        source: draw.source,
+        first_corner: first,
+        corner_count: draw.end - first,
+        instance: draw.instance,
+        group: draw.group,
+    };
+    Ok((arguments, range))
+}
