@@ -3,6 +3,9 @@
 //! ```text
 //! Plant.foliage ─collapse_leaves─▶ CollapseSequence ─Clusters::of─▶ Clusters
 //!   quad leaves                      old1, old2 → new                 arrays in consumption order
+//!                                        │
+//!                                        ├─measure_leaves──▶ area, folds of a level
+//!                                        └─Accounting──────▶ bytes, beside what the papers print
 //! ```
 //!
 //! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
@@ -13,6 +16,7 @@ mod clusters;
 mod leaves;
 mod measure;
 mod sequence;
+mod storage;
 
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LeafCollapseOptions, LeafDistance, collapse_leaves};
@@ -20,3 +24,7 @@ pub use measure::{LeafMeasure, is_folded, leaf_area, measure_leaves};
 #[cfg(test)]
 pub(crate) use sequence::examples;
 pub use sequence::{Collapse, CollapseSequence, SequenceError};
+pub use storage::{
+    Accounting, PRINTED_LODF_BYTES, PRINTED_LODF_HARDWARE_BYTES, PUBLISHED_SIZES, PublishedSize,
+    StorageCounts, mebibyte_hundredths,
+};

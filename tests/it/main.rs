@@ -5,4 +5,5 @@ mod layering;
 mod model_contracts;
 mod raster;
 mod scene;
+mod simplify_props;
 mod support;

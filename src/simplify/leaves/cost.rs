@@ -4,24 +4,24 @@ use super::candidate::Candidate;
 use super::grid::Site;
 use super::shape::{Four, Scale, Shape};
 use super::{LeafCollapseOptions, LeafDistance};
-use crate::math::{Vec3, Vec4};
+use crate::math::Vec3;
 
-/// The cost of pairs, with the weights in the units of [`Shape`].
+/// What pairs cost, with weights in the units of [`Shape`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weights {
     measure: LeafDistance,
-    /// Cost a unit of distance.
+    /// Cost of a unit of distance.
     distance: f32,
     /// Cost of a right angle between normals.
     coplanarity: f32,
     /// Cost of an area that is wrong by all that is wanted.
-    pub(super) area: f32,
-    /// Cost of a quad without [`form`](Scale::form).
-    pub(super) form: f32,
-    /// Twice the vector area over the squared edges, times this, is the form over that of the
-    /// originals.
-    pub(super) form_scale: f32,
-    /// What areas are divided by at least.
+    area: f32,
+    /// Cost of a quad without form.
+    form: f32,
+    /// Twice the vector area over the squared edges, times this, is the form as a share of that of
+    /// the originals.
+    form_scale: f32,
+    /// The least area that is ever wanted.
     least_area: f64,
     most_bend: f32,
     most_distance: f32,
@@ -29,40 +29,39 @@ pub(super) struct Weights {
 
 impl Weights {
     pub(super) fn new(options: &LeafCollapseOptions, scale: &Scale) -> Self {
-        let unit = scale.unit();
-        let spacing = scale.spacing * unit;
-        // Negative, infinite and missing numbers have no meaning; the clamp takes them to the ends.
-        let weight = |weight: f32| weight.max(0.0).min(1e6);
+        let weight = |weight: f32| if weight > 0.0 { weight.min(1e6) } else { 0.0 };
         let threshold = |most: Option<f32>| most.map_or(f32::INFINITY, |most| most.max(0.0));
         Self {
             measure: options.distance,
-            distance: single(f64::from(weight(options.distance_weight)) / spacing),
+            distance: single(f64::from(weight(options.distance_weight)) / scale.spacing),
             coplanarity: weight(options.coplanarity_weight),
             area: weight(options.area_weight),
             form: weight(options.form_weight),
-            form_scale: single(2.0 / scale.form),
-            least_area: 1e-6 * scale.area * unit * unit,
+            form_scale: single(2.0 / scale.form.max(1e-6)),
+            // Leaves without area must not make every misfit infinite.
+            least_area: (1e-6 * scale.area).max(1e-12),
             most_bend: threshold(options.coplanarity_threshold),
-            most_distance: single(f64::from(threshold(options.distance_threshold)) * spacing),
+            most_distance: single(f64::from(threshold(options.distance_threshold)) * scale.spacing),
         }
     }
 
     /// What the pair costs, and the quad that replaces it; `None` when it is refused or costs more
-    /// than `limit`.
+    /// than `limit`. The same for a pair and its reverse.
     ///
     /// Terms are added from cheap to dear to compute, and each may end it: all are at least 0, and
     /// rounding never makes a sum less than its parts.
-    pub(super) fn of(&self, pair: [&Shape; 2], limit: f32) -> Option<(f32, Candidate)> {
+    pub(super) fn cost(&self, pair: [&Shape; 2], limit: f32) -> Option<(f32, Candidate)> {
         let [first, second] = pair;
         let bend = 1.0 - first.normal.dot(second.normal).abs().min(1.0);
         if bend > self.most_bend {
             return None;
         }
-        let apart = distance(self.measure, &first.points, &second.points);
+        let reach = self.reach(limit);
+        let apart = distance(self.measure, &first.points, &second.points, reach);
         if apart > self.most_distance {
             return None;
         }
-        let placed = self.distance * apart + self.coplanarity * bend;
+        let placed = (self.distance * apart + self.coplanarity * bend).min(f32::MAX);
         if placed > limit {
             return None;
         }
@@ -73,9 +72,30 @@ impl Weights {
         (cost <= limit).then_some((cost, candidate))
     }
 
-    /// The area of the originals under both, and not nothing.
+    /// The area of the originals under both.
     pub(super) fn wanted_area(&self, [first, second]: [&Shape; 2]) -> f32 {
         single((first.original_area + second.original_area).max(self.least_area))
+    }
+
+    /// What quads cost that have these areas.
+    pub(super) fn area_penalties(&self, [a, b, c, d]: [f32; 4], wanted: f32) -> [f32; 4] {
+        let scale = self.area / (wanted * wanted);
+        let penalty = |area: f32| scale * ((area - wanted) * (area - wanted));
+        [penalty(a), penalty(b), penalty(c), penalty(d)]
+    }
+
+    /// What a quad costs that is less compact than the originals.
+    pub(super) fn form_penalty(&self, quad: &Four) -> f32 {
+        let [a, b, c, d] = quad.all();
+        let edges = ((b - a).length_squared() + (c - b).length_squared())
+            + ((d - c).length_squared() + (a - d).length_squared());
+        let twice_area = (c - a).cross(d - b).length_squared().sqrt();
+        let missing = edges - self.form_scale * twice_area;
+        if missing > 0.0 {
+            self.form * (missing / edges)
+        } else {
+            0.0
+        }
     }
 
     /// How far apart a pair may lie that costs no more than `cost`.
@@ -94,40 +114,74 @@ impl Weights {
     /// For Hausdorff's distance that is the box of the vertices, no side of which moves by more than
     /// the distance.
     pub(super) fn site(&self, shape: &Shape, leaf: u32) -> Site {
-        let [a, b, c, d] = shape.points.lanes();
+        let [a, b, c, d] = shape.points.all();
         let (low, high) = match self.measure {
             LeafDistance::Hausdorff => (a.min(b).min(c.min(d)), a.max(b).max(c.max(d))),
             LeafDistance::Centers => (center(&shape.points), center(&shape.points)),
         };
-        Site { low, high, leaf }
+        Site {
+            low,
+            high,
+            leaf,
+            shape: *shape,
+        }
     }
 }
 
-fn distance(measure: LeafDistance, first: &Four, second: &Four) -> f32 {
+/// The distance, or infinity for more than `reach`.
+fn distance(measure: LeafDistance, first: &Four, second: &Four, reach: f32) -> f32 {
     match measure {
-        LeafDistance::Hausdorff => hausdorff(first, second),
+        LeafDistance::Hausdorff => hausdorff(first, second, reach),
         LeafDistance::Centers => (center(first) - center(second)).length_squared().sqrt(),
     }
 }
 
 fn center(points: &Four) -> Vec3 {
-    let [a, b, c, d] = points.lanes();
+    let [a, b, c, d] = points.all();
     0.25 * ((a + b) + (c + d))
 }
 
 /// Hausdorff's distance between two sets of four points: the furthest that a point of either lies
-/// from the other set.
-fn hausdorff(first: &Four, second: &Four) -> f32 {
-    let squares = |lane: usize| second.from(first.lane(lane)).length_squared();
-    let (a, b, c, d) = (squares(0), squares(1), squares(2), squares(3));
-    let from_second = a.min(b).min(c.min(d));
-    let from_first = Vec4::new(
-        a.min_element(),
-        b.min_element(),
-        c.min_element(),
-        d.min_element(),
-    );
-    from_first.max(from_second).max_element().sqrt()
+/// from the other set. Infinite when it is more than `reach`.
+fn hausdorff(first: &Four, second: &Four, reach: f32) -> f32 {
+    let from_second = largest(nearest(first, second));
+    if from_second > reach * reach {
+        return f32::INFINITY;
+    }
+    let from_first = largest(nearest(second, first));
+    greater(from_second, from_first).sqrt()
+}
+
+/// The squared distance of each point to the nearest of the others.
+///
+/// Kept apart so that the compiler takes the four lanes at once: inlined, it does not.
+#[inline(never)]
+fn nearest(points: &Four, others: &Four) -> [f32; 4] {
+    let lesser = |a: f32, b: f32| if a < b { a } else { b };
+    let mut least = [f32::INFINITY; 4];
+    for other in 0..4 {
+        let (x, y, z) = (others.x[other], others.y[other], others.z[other]);
+        let square = |lane: usize| {
+            let (x, y, z) = (points.x[lane] - x, points.y[lane] - y, points.z[lane] - z);
+            (x * x + y * y) + z * z
+        };
+        let squares = [square(0), square(1), square(2), square(3)];
+        least = [
+            lesser(squares[0], least[0]),
+            lesser(squares[1], least[1]),
+            lesser(squares[2], least[2]),
+            lesser(squares[3], least[3]),
+        ];
+    }
+    least
+}
+
+fn largest([a, b, c, d]: [f32; 4]) -> f32 {
+    greater(greater(a, b), greater(c, d))
+}
+
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Rounds to `f32`, to the largest finite number at most.

@@ -1,108 +1,99 @@
-//! Which leaves lie near a point: a uniform grid that thins out with the foliage.
+//! Which leaves lie near a leaf: a uniform grid that widens as the foliage thins out.
 
-use crate::math::Vec3;
+use super::shape::Shape;
+use crate::math::{DVec3, Vec3};
 
-/// How many leaves a cell holds on average when a grid is built. Fewer make more empty cells to
-/// walk over, more make more leaves to look at that are too far away.
-const LEAVES_PER_CELL: f32 = 2.0;
+/// How many leaves a cell holds on average over the box when a grid is built.
+///
+/// Fewer make more empty cells to walk over, more make more leaves to look at that are too far away;
+/// crowns leave most of their box empty.
+const LEAVES_PER_CELL: f64 = 4.0;
 
-/// Points with their leaves, by cells of equal size.
-#[derive(Debug)]
-pub(super) struct Grid {
-    origin: Vec3,
-    cell_size: f32,
-    size: [usize; 3],
-    cells: Vec<Vec<Site>>,
-    count: usize,
-    count_when_built: usize,
-}
-
-/// A leaf by what is known of its place.
+/// A leaf and where it lies.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Site {
     /// The least coordinates of what distance is measured from.
     pub(super) low: Vec3,
     /// The greatest coordinates.
     pub(super) high: Vec3,
+    /// The leaf's number.
     pub(super) leaf: u32,
+    /// The leaf itself: beside its place, it need not be fetched from elsewhere.
+    pub(super) shape: Shape,
 }
 
 impl Site {
-    /// The middle, which decides the cell.
-    fn point(&self) -> Vec3 {
-        0.5 * self.low + 0.5 * self.high
-    }
-
     /// A distance that two leaves keep at least: how far the furthest side of a box moves.
     pub(super) fn least_distance(&self, other: &Self) -> f32 {
         let low = (self.low - other.low).abs();
         let high = (self.high - other.high).abs();
         low.max(high).max_element()
     }
+
+    /// The middle, which decides the cell. Middles are no further apart along any axis than the
+    /// [least distance](Self::least_distance).
+    fn middle(&self) -> DVec3 {
+        0.5 * self.low.as_dvec3() + 0.5 * self.high.as_dvec3()
+    }
+}
+
+/// Leaves by cells of equal size.
+#[derive(Debug)]
+pub(super) struct Grid {
+    origin: DVec3,
+    cell_size: f64,
+    size: [usize; 3],
+    cells: Vec<Vec<Site>>,
+    count: usize,
+    count_when_built: usize,
 }
 
 impl Grid {
-    /// A grid over the sites' box; later ones must lie within.
+    /// A grid over the middles' box.
     pub(super) fn new(sites: &[Site]) -> Self {
-        let mut grid = Self {
-            origin: Vec3::ZERO,
-            cell_size: 1.0,
-            size: [1; 3],
-            cells: Vec::new(),
-            count: 0,
-            count_when_built: 0,
+        let mut low = DVec3::INFINITY;
+        let mut high = DVec3::NEG_INFINITY;
+        for site in sites {
+            low = low.min(site.middle());
+            high = high.max(site.middle());
+        }
+        let extent = high - low;
+        let longest = extent.max_element();
+        let (origin, cell_size, size) = if longest > 0.0 {
+            // Flat or thin foliage must not make cells beyond number.
+            let solid = extent.max(DVec3::splat(longest / 256.0));
+            let cells = (sites.len() as f64 / LEAVES_PER_CELL).max(1.0);
+            let cell_size = libm::cbrt(solid.x / cells) * libm::cbrt(solid.y) * libm::cbrt(solid.z);
+            let along = |length: f64| whole(length / cell_size) + 1;
+            let size = [along(extent.x), along(extent.y), along(extent.z)];
+            (low, cell_size, size)
+        } else {
+            (DVec3::ZERO, 1.0, [1; 3])
         };
-        grid.build(sites);
+        let mut grid = Self {
+            origin,
+            cell_size,
+            size,
+            cells: vec![Vec::new(); size[0] * size[1] * size[2]],
+            count: 0,
+            count_when_built: sites.len(),
+        };
+        for &site in sites {
+            grid.insert(site);
+        }
         grid
     }
 
-    fn build(&mut self, sites: &[Site]) {
-        let least = sites
-            .iter()
-            .fold(Vec3::INFINITY, |least, site| least.min(site.point()));
-        let most = sites
-            .iter()
-            .fold(Vec3::NEG_INFINITY, |most, site| most.max(site.point()));
-        let extent = most - least;
-        let longest = extent.max_element();
-        self.origin = least;
-        (self.cell_size, self.size) = if longest > 0.0 {
-            // Flat or thin foliage must not make cells beyond number.
-            let solid = extent.max(Vec3::splat(longest / 256.0));
-            let volume = (solid.x / longest) * (solid.y / longest) * (solid.z / longest);
-            let cells = sites.len() as f32 / LEAVES_PER_CELL;
-            let cell_size = longest * libm::cbrtf(volume / cells.max(1.0));
-            let along = |length: f32| whole(length / cell_size) + 1;
-            let size = [along(extent.x), along(extent.y), along(extent.z)];
-            (cell_size, size)
-        } else {
-            (1.0, [1; 3])
-        };
-        self.cells.clear();
-        self.cells
-            .resize_with(self.size[0] * self.size[1] * self.size[2], Vec::new);
-        self.count = 0;
-        self.count_when_built = sites.len();
-        for &site in sites {
-            self.insert(site);
-        }
-    }
-
-    /// How many leaves it holds.
-    pub(super) fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Adds a leaf.
+    /// Adds a leaf, which may lie outside the box.
     pub(super) fn insert(&mut self, site: Site) {
-        let index = self.index(self.cell(site.point()));
+        let index = self.index(self.cell(site.middle()));
         self.cells[index].push(site);
         self.count += 1;
     }
 
-    /// Takes a leaf out that was added at this very point; widens the cells when most are gone.
-    pub(super) fn remove(&mut self, site: Site) {
-        let index = self.index(self.cell(site.point()));
+    /// Takes a leaf out; widens the cells when half are gone.
+    pub(super) fn remove(&mut self, site: &Site) {
+        let index = self.index(self.cell(site.middle()));
         let cell = &mut self.cells[index];
         if let Some(place) = cell.iter().position(|other| other.leaf == site.leaf) {
             cell.swap_remove(place);
@@ -110,14 +101,15 @@ impl Grid {
         }
         if 2 * self.count < self.count_when_built {
             let sites: Vec<Site> = self.cells.iter().flatten().copied().collect();
-            self.build(&sites);
+            *self = Self::new(&sites);
         }
     }
 
-    /// Shows the cells of one shell around the cell of `site` that sites at a
-    /// [least distance](Site::least_distance) within `reach` may lie in; `false` when neither this shell nor a later one has such cells.
+    /// Shows the cells of one shell around the cell of `site`, without those where all leaves are
+    /// beyond `reach` by [`Site::least_distance`]; `false` when no cell of this shell or a later one
+    /// is left.
     ///
-    /// Shell 0 is the point's cell, shell `r` all at `r` steps by the longest axis.
+    /// Shell 0 is the site's cell, shell `r` all at `r` steps by the longest axis.
     pub(super) fn visit_shell(
         &self,
         site: &Site,
@@ -125,15 +117,15 @@ impl Grid {
         reach: f32,
         mut visit: impl FnMut(&[Site]),
     ) -> bool {
-        let point = site.point();
-        let center = self.cell(point);
-        // A point outside the grid counts as the nearest inside: that brings no two points further
+        let middle = site.middle();
+        let center = self.cell(middle);
+        // A place outside the box counts as the nearest inside: that takes no two places further
         // apart, so nothing within reach is missed.
-        let low = self.cell(point - reach);
-        let high = self.cell(point + reach);
-        let may_hold =
-            |axis: usize| center[axis] >= low[axis] + shell || center[axis] + shell <= high[axis];
-        if !(0..3).any(may_hold) {
+        let low = self.cell(middle - f64::from(reach));
+        let high = self.cell(middle + f64::from(reach));
+        let goes_on = (0..3)
+            .any(|axis| center[axis] >= low[axis] + shell || center[axis] + shell <= high[axis]);
+        if !goes_on {
             return false;
         }
         let range = |axis: usize| {
@@ -141,28 +133,28 @@ impl Grid {
             let last = (center[axis] + shell).min(high[axis]);
             first..=last
         };
-        let outer = |axis: usize, at: usize| at.abs_diff(center[axis]) == shell;
+        let is_outer = |axis: usize, at: usize| at.abs_diff(center[axis]) == shell;
         for z in range(2) {
             for y in range(1) {
-                if outer(2, z) || outer(1, y) {
+                if is_outer(2, z) || is_outer(1, y) {
                     for x in range(0) {
                         visit(&self.cells[self.index([x, y, z])]);
                     }
-                } else {
-                    if center[0] >= low[0] + shell {
-                        visit(&self.cells[self.index([center[0] - shell, y, z])]);
-                    }
-                    if center[0] + shell <= high[0] {
-                        visit(&self.cells[self.index([center[0] + shell, y, z])]);
-                    }
+                    continue;
+                }
+                if center[0] >= low[0] + shell {
+                    visit(&self.cells[self.index([center[0] - shell, y, z])]);
+                }
+                if center[0] + shell <= high[0] {
+                    visit(&self.cells[self.index([center[0] + shell, y, z])]);
                 }
             }
         }
         true
     }
 
-    fn cell(&self, point: Vec3) -> [usize; 3] {
-        let at = (point - self.origin) / self.cell_size;
+    fn cell(&self, place: DVec3) -> [usize; 3] {
+        let at = (place - self.origin) / self.cell_size;
         [
             whole(at.x).min(self.size[0] - 1),
             whole(at.y).min(self.size[1] - 1),
@@ -175,8 +167,8 @@ impl Grid {
     }
 }
 
-/// The whole part of a number, 0 for less than that.
-fn whole(value: f32) -> usize {
+/// The whole part of a number; 0 for what is less.
+fn whole(value: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
