@@ -42,6 +42,27 @@ impl Terminal {
         self.width
     }
 
+    /// A sentence as lines of the terminal's width, words whole.
+    pub(super) fn wrapped(&self, text: &str) -> String {
+        let mut lines = String::new();
+        let mut column = 0;
+        for word in text.split_whitespace() {
+            let length = word.chars().count();
+            if column > 0 && column + 1 + length > self.width {
+                lines.push('\n');
+                column = 0;
+            }
+            if column > 0 {
+                lines.push(' ');
+                column += 1;
+            }
+            lines.push_str(word);
+            column += length;
+        }
+        lines.push('\n');
+        lines
+    }
+
     /// Prints a result to standard output. A reader that went away is no error.
     pub(super) fn print(&self, text: &str) -> Result<(), CliError> {
         let mut out = std::io::stdout().lock();

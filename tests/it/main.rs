@@ -2,6 +2,7 @@
 
 mod gltf;
 mod layering;
+mod mass;
 mod model_contracts;
 mod raster;
 mod scene;
