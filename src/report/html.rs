@@ -104,7 +104,7 @@ table{border-collapse:collapse;font-size:.875rem;font-variant-numeric:tabular-nu
 caption{text-align:left;color:var(--soft);padding:.25rem 0}
 th,td{padding:.2rem .6rem;border-bottom:1px solid var(--rule);text-align:left;vertical-align:top}
 th{border-bottom-width:2px}tbody tr:nth-child(even){background:var(--band)}
-.n{text-align:right;white-space:nowrap}
+.n{text-align:right;white-space:nowrap}td:first-child{white-space:nowrap}
 figure{margin:1rem 0}svg,img{display:block;max-width:100%;height:auto}svg{min-width:32rem}
 .images{display:grid;grid-template-columns:repeat(auto-fill,minmax(10rem,1fr));gap:.75rem;margin:1rem 0}
 .images figure{margin:0}.images img{border:1px solid var(--rule);image-rendering:pixelated}

@@ -259,21 +259,18 @@ fn thinned(run: &[Option<[f64; 2]>]) -> Vec<Option<[f64; 2]>> {
     kept.into_iter().map(|index| run[index]).collect()
 }
 
-/// A line through points, with dots where it has few.
+/// A line through points, with dots where it has few, and where a point stands alone.
 fn line(index: usize, points: &[Option<[f64; 2]>]) -> String {
     let (class, dashes) = look(index);
     let mut path = String::new();
     let mut dots = String::new();
-    let mut pen_up = true;
-    for point in points {
-        let Some([x, y]) = point else {
-            pen_up = true;
-            continue;
-        };
-        let command = if pen_up { 'M' } else { 'L' };
+    let is_there = |index: usize| points.get(index).is_some_and(Option::is_some);
+    for (place, point) in points.iter().enumerate() {
+        let Some([x, y]) = point else { continue };
+        let follows = place > 0 && is_there(place - 1);
+        let command = if follows { 'L' } else { 'M' };
         path += &format!("{command}{x:.1} {y:.1}");
-        pen_up = false;
-        if points.len() <= 40 {
+        if points.len() <= 40 || !(follows || is_there(place + 1)) {
             dots += &format!("<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.2\"/>\n");
         }
     }

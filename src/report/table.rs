@@ -134,6 +134,28 @@ impl Table {
         csv
     }
 
+    /// The table in Markdown, as GitHub has it.
+    #[must_use]
+    pub fn to_markdown(&self) -> String {
+        let row = |cells: &mut dyn Iterator<Item = String>| {
+            let cells: Vec<String> = cells.map(|cell| cell.replace('|', "\\|")).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
+        let rule = |column: &Column| match column.align {
+            Align::Left => "---",
+            Align::Right => "---:",
+        };
+        let mut text = row(&mut self.columns.iter().map(|column| column.heading.clone()));
+        let rules: Vec<&str> = self.columns.iter().map(rule).collect();
+        text += &format!("|{}|\n", rules.join("|"));
+        for cells in &self.rows {
+            let cell = |index| cells.get(index).unwrap_or(&Cell::Missing);
+            let shown = |index| one_line(&Cell::shown(cell(index), ","));
+            text += &row(&mut (0..self.columns.len()).map(shown));
+        }
+        text
+    }
+
     /// The columns' widths, if the table fits.
     fn widths(&self, rows: &[Vec<String>], width: usize) -> Option<Vec<usize>> {
         let mut widths: Vec<usize> = self
@@ -334,6 +356,19 @@ time, ms: –
             csv_row(["a\"b", "c,d", "e\nf", ""]),
             "\"a\"\"b\",\"c,d\",\"e\nf\",\r\n"
         );
+    }
+
+    #[test]
+    fn markdown_keeps_columns_apart() {
+        let mut table = example();
+        table.rows.truncate(1);
+        table.rows[0][0] = Cell::Text("a|b".to_owned());
+        let wanted = "\
+| cause | payload, B | time, ms |
+|---|---:|---:|
+| a\\|b | 1,234,567 | 1.50 |
+";
+        assert_eq!(table.to_markdown(), wanted);
     }
 
     #[test]
