@@ -7,17 +7,25 @@
 //!            text, CSV      └─────────────────────┘
 //! ```
 //!
+//! Of these pieces [`RunFolder`] makes what `run` leaves, [`write_sweep`] what `sweep` leaves, and
+//! [`storage_report`] what `storage` prints.
+//!
 //! **Invariant.** The bytes of a report are a function of what is reported: nothing in them names
 //! a host, path, clock, thread or the order in which things were done. A folder is there whole or
 //! not at all, and nothing is replaced that spinney did not write.
 
 mod axis;
 mod folder;
+mod growing;
 mod html;
 mod image;
 mod number;
 mod plot;
+mod run;
+mod storage;
+mod sweep;
 mod table;
+mod thumbnail;
 
 pub use axis::{Axis, Scale};
 pub use folder::{MARKER, OutputFolder};
@@ -25,6 +33,18 @@ pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
 pub use number::{decimal, grouped};
 pub use plot::{Plot, Series};
+pub use run::{
+    FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, LEDGER_SCHEMA, LedgerEntry, LedgerHead,
+    NO_NUMBER, OpsReader, RunFolder, RunHeader, RunLedger, ShareEntry, TrafficEntry, WorkEntry,
+    frame_layers, run_notes, run_table,
+};
+pub use storage::{
+    Accounting, LeafCounts, ModelStorage, STORAGE_SCHEMA, StorageReport, storage_report,
+};
+pub use sweep::{
+    SWEEP_SCHEMA, SweepHeader, sweep_csv, sweep_json, sweep_markdown, sweep_notes, sweep_page,
+    sweep_plots, sweep_table, sweep_text, write_sweep,
+};
 pub use table::{Align, Cell, Column, Table, csv_row};
 
 use std::path::{Path, PathBuf};
@@ -105,6 +125,14 @@ pub enum ReportError {
         height: u32,
         /// What would be right.
         wanted: String,
+    },
+    /// A line of `ops.jsonl` says something that cannot be.
+    #[error("ops.jsonl:{line}: {message}")]
+    Ops {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        message: String,
     },
     /// A report would be larger than it may.
     #[error("{what}: {found} exceed the limit of {limit}")]

@@ -5,6 +5,7 @@ mod layering;
 mod mass;
 mod model_contracts;
 mod raster;
+mod report;
 mod scene;
 mod simplify_props;
 mod support;

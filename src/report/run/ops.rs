@@ -1,0 +1,174 @@
+//! `ops.jsonl`: the states that every frame showed, as changes; the resolved scene and this file are
+//! all that it takes to say what a pixel shows.
+//!
+//! ```text
+//! {"frame":0,"trees":[{"tree":0,"uniform":123},{"tree":1,"variable":[[0,4],[7,1]]}]}
+//! {"frame":1,"trees":[{"tree":1,"variable":[[7,2]]}]}
+//! ```
+//!
+//! A line names the trees whose state is another than on the line before; the first names all. After
+//! `uniform` stands the number of collapses done of the whole sequence. After `variable` stand pairs
+//! of a cluster and the number of collapses done in it, for the clusters that changed; where the tree
+//! was not variable on the line before, for those with any.
+
+use serde::{Deserialize, Serialize};
+
+use super::ledger::json;
+use crate::math::index_u32;
+use crate::models::State;
+use crate::report::ReportError;
+use crate::run::World;
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    frame: u32,
+    trees: Vec<TreeLine>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TreeLine {
+    tree: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    uniform: Option<u32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    variable: Option<Vec<(u32, u32)>>,
+}
+
+/// Turns states into lines.
+#[derive(Debug, Default)]
+pub(super) struct OpsWriter {
+    previous: Vec<State>,
+}
+
+impl OpsWriter {
+    /// The line of a frame, with its end.
+    pub(super) fn line(&mut self, frame: u32, states: &[State]) -> String {
+        let trees = (0..).zip(states).filter_map(|(tree, state)| {
+            let before = self.previous.get(tree as usize);
+            (before != Some(state)).then(|| tree_line(tree, before, state))
+        });
+        let trees = trees.collect();
+        let line = json(&Line { frame, trees });
+        self.previous = states.to_vec();
+        line + "\n"
+    }
+}
+
+fn tree_line(tree: u32, before: Option<&State>, state: &State) -> TreeLine {
+    match state {
+        State::Uniform { collapses } => TreeLine {
+            tree,
+            uniform: Some(*collapses),
+            variable: None,
+        },
+        State::Variable { counts } => {
+            let known = |cluster: usize| match before {
+                Some(State::Variable { counts }) => counts.get(cluster).copied().unwrap_or(0),
+                _ => 0,
+            };
+            let changed = counts.iter().enumerate();
+            let changed = changed.filter(|(cluster, count)| known(*cluster) != **count);
+            TreeLine {
+                tree,
+                uniform: None,
+                variable: Some(changed.map(|(c, count)| (index_u32(c), *count)).collect()),
+            }
+        }
+    }
+}
+
+/// Turns lines back into states.
+#[derive(Debug)]
+pub struct OpsReader<'w> {
+    world: &'w World,
+    lines: usize,
+    states: Vec<State>,
+}
+
+impl<'w> OpsReader<'w> {
+    /// A reader before the first line.
+    #[must_use]
+    pub fn new(world: &'w World) -> Self {
+        Self {
+            world,
+            lines: 0,
+            states: Vec::new(),
+        }
+    }
+
+    /// Reads the next line: the frame and the state of every tree.
+    ///
+    /// # Errors
+    ///
+    /// When it is no such line, names a tree, cluster or number of collapses that the world does not
+    /// have, or is the first and leaves a tree out.
+    pub fn read(&mut self, line: &str) -> Result<(u32, &[State]), ReportError> {
+        self.lines += 1;
+        let number = self.lines;
+        let fail = |message| ReportError::Ops {
+            line: number,
+            message,
+        };
+        let line: Line = serde_json::from_str(line).map_err(|error| fail(error.to_string()))?;
+        for change in &line.trees {
+            let state = self.changed(change).map_err(fail)?;
+            let tree = change.tree as usize;
+            match self.states.get_mut(tree) {
+                Some(known) => *known = state,
+                None => self.states.push(state),
+            }
+        }
+        let (found, wanted) = (self.states.len(), self.world.trees.len());
+        if found != wanted {
+            return Err(fail(format!("{found} trees, wanted all {wanted}")));
+        }
+        Ok((line.frame, &self.states))
+    }
+
+    /// The state that a tree changes to, or what is wrong.
+    fn changed(&self, change: &TreeLine) -> Result<State, String> {
+        let number = change.tree as usize;
+        let known = self.states.get(number);
+        let next = self.states.len();
+        let tree = self.world.trees.get(number);
+        let Some(tree) = tree.filter(|_| known.is_some() || number == next) else {
+            let trees = self.world.trees.len();
+            return Err(format!("tree {number} after {next} of {trees}"));
+        };
+        let crown = &self.world.crowns[tree.crown];
+        let check = |place: &str, count: u32, most: u32| {
+            let message = || format!("tree {number}{place}: {count} collapses, at most {most}");
+            (count <= most).then_some(()).ok_or_else(message)
+        };
+        match (change.uniform, &change.variable) {
+            (Some(collapses), None) => {
+                check("", collapses, crown.sequence().collapse_count())?;
+                Ok(State::Uniform { collapses })
+            }
+            (None, Some(changed)) => {
+                let clusters = &crown.clusters().clusters;
+                let mut counts = match known {
+                    Some(State::Variable { counts }) => counts.clone(),
+                    _ => vec![0; clusters.len()],
+                };
+                for &(cluster, count) in changed {
+                    let found = clusters.get(cluster as usize);
+                    let found = found.zip(counts.get_mut(cluster as usize));
+                    let Some((held, known)) = found else {
+                        let most = clusters.len();
+                        return Err(format!("tree {number}: cluster {cluster} of {most}"));
+                    };
+                    let place = format!(", cluster {cluster}");
+                    check(&place, count, held.original_count() - 1)?;
+                    *known = count;
+                }
+                Ok(State::Variable { counts })
+            }
+            _ => Err(format!(
+                "tree {number}: wanted either `uniform` or `variable`"
+            )),
+        }
+    }
+}

@@ -1,0 +1,387 @@
+//! `report.html`: a run on one page.
+
+use super::RunHeader;
+use super::ledger::{LedgerHead, microseconds};
+use super::rows::{
+    FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, note, run_notes, run_table,
+};
+use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
+use crate::report::thumbnail::shrink;
+use crate::report::{
+    Axis, Cell, Column, Page, PageImage, Picture, Plot, ReportError, Scale, Section, Series, Table,
+};
+
+/// Rows of the table of frames.
+const MOST_ROWS: usize = 120;
+
+/// The longer side of a thumbnail, in pixels, at most.
+const THUMBNAIL_SIDE: u32 = 320;
+
+/// Pictures for the page, evenly chosen from frames that come one after another, however many.
+#[derive(Debug)]
+pub(super) struct Thumbnails {
+    kept: Vec<(u32, Picture)>,
+    /// Every so many frames one is kept.
+    stride: u64,
+    seen: u64,
+}
+
+impl Thumbnails {
+    pub(super) fn new() -> Self {
+        Self {
+            kept: Vec::new(),
+            stride: 1,
+            seen: 0,
+        }
+    }
+
+    /// Takes a frame; when there are too many, every second goes.
+    pub(super) fn add(&mut self, frame: u32, picture: &Picture) -> Result<(), ReportError> {
+        if self.seen.is_multiple_of(self.stride) {
+            if self.kept.len() == Page::MAX_IMAGES {
+                self.halve();
+            }
+            if self.seen.is_multiple_of(self.stride) {
+                let side = picture.width().max(picture.height());
+                let small = shrink(picture, side.div_ceil(THUMBNAIL_SIDE))?;
+                self.kept.push((frame, small));
+            }
+        }
+        self.seen += 1;
+        Ok(())
+    }
+
+    fn halve(&mut self) {
+        self.stride *= 2;
+        let kept = std::mem::take(&mut self.kept);
+        self.kept = kept.into_iter().step_by(2).collect();
+    }
+
+    /// Makes all smaller, or fewer once they are small.
+    fn reduce(&mut self) -> Result<(), ReportError> {
+        let side = |(_, picture): &(u32, Picture)| picture.width().max(picture.height());
+        if self.kept.iter().map(side).max() > Some(80) {
+            for (_, picture) in &mut self.kept {
+                *picture = shrink(picture, 2)?;
+            }
+        } else if self.kept.len() > 1 {
+            self.halve();
+        } else {
+            self.kept.clear();
+        }
+        Ok(())
+    }
+
+    fn images(&self) -> Result<Vec<PageImage>, ReportError> {
+        let image = |(frame, picture): &(u32, Picture)| {
+            Ok(PageImage {
+                caption: format!("frame {frame}"),
+                png: picture.to_png()?,
+            })
+        };
+        self.kept.iter().map(image).collect()
+    }
+}
+
+/// What the same uploads and fetches would take on every link.
+#[derive(Debug)]
+pub(super) struct Links {
+    sums: Vec<(Link, Traffic, Ticks)>,
+}
+
+impl Links {
+    pub(super) fn new() -> Self {
+        let zero = |link| (link, Traffic::default(), 0);
+        Self {
+            sums: Link::ALL.into_iter().map(zero).collect(),
+        }
+    }
+
+    pub(super) fn add(&mut self, ledger: &Ledger) {
+        for transfer in &ledger.transfers {
+            let payload_bytes = transfer.payload_bytes;
+            for (link, upload, fetch) in &mut self.sums {
+                match transfer.stream {
+                    Stream::Upload => upload.add(&Traffic {
+                        transfers: 1,
+                        payload_bytes,
+                        wire_bytes: link.wire_bytes(payload_bytes),
+                        ticks: link.ticks_down(payload_bytes),
+                    }),
+                    Stream::Fetch => *fetch += link.ticks_down(payload_bytes),
+                    Stream::Readback => {}
+                }
+            }
+        }
+    }
+
+    fn table(&self) -> Table {
+        let headings = [
+            "uploaded, B",
+            "transfers",
+            "on the wire, B",
+            "upload, µs",
+            "fetch, µs",
+        ];
+        let row = |(link, upload, fetch): &(Link, Traffic, Ticks)| {
+            let time = |ticks| Cell::Number {
+                value: microseconds(ticks),
+                digits: 1,
+            };
+            vec![
+                Cell::Text(link.name().to_owned()),
+                Cell::Count(upload.payload_bytes),
+                Cell::Count(upload.transfers),
+                Cell::Count(upload.wire_bytes),
+                time(upload.ticks),
+                time(*fetch),
+            ]
+        };
+        let columns = headings.into_iter().map(Column::numbers);
+        Table {
+            columns: [Column::words("link")].into_iter().chain(columns).collect(),
+            rows: self.sums.iter().map(row).collect(),
+        }
+    }
+}
+
+/// The page; pictures become smaller or fewer until it is as small as a page must be.
+pub(super) fn run_page(
+    header: &RunHeader,
+    initial: &Ledger,
+    rows: &[FrameRow],
+    links: &Links,
+    mut thumbnails: Thumbnails,
+) -> Result<String, ReportError> {
+    let before = vec![Section::Text(what_was_run(header, rows))];
+    let mut after: Vec<Section> = run_notes(rows, header.link)
+        .into_iter()
+        .map(Section::Text)
+        .collect();
+    after.insert(
+        0,
+        Section::Text(note("Before the first frame", &initial.upload)),
+    );
+    after.insert(0, Section::Heading("What crossed the bus".to_owned()));
+    after.extend([
+        Section::Figure(bytes_plot(rows).to_svg()),
+        Section::Figure(leaves_plot(rows).to_svg()),
+        Section::Figure(time_plot(rows).to_svg()),
+        Section::Heading("Frames".to_owned()),
+        Section::Text(
+            "Sent: uploads of changes of detail. Beside them what sending the indices of all \
+             visible leaves (16 B a leaf) and fetching all from host memory (64 B a leaf) would \
+             move. Bus times are modelled."
+                .to_owned(),
+        ),
+        Section::Table {
+            caption: String::new(),
+            table: run_table(rows, MOST_ROWS),
+        },
+        Section::Heading("Device memory after the first upload".to_owned()),
+        Section::Table {
+            caption: String::new(),
+            table: resident_table(header),
+        },
+        Section::Heading("Other links".to_owned()),
+        Section::Text(
+            "The same transfers of all frames, the view's included, on each link; modelled."
+                .to_owned(),
+        ),
+        Section::Table {
+            caption: String::new(),
+            table: links.table(),
+        },
+    ]);
+    loop {
+        let images = thumbnails.images()?;
+        let is_bare = images.is_empty();
+        let mut sections = before.clone();
+        if !is_bare {
+            sections.push(Section::Images(images));
+        }
+        sections.extend(after.iter().cloned());
+        let page = Page {
+            title: format!("{}, {}", header.scene, header.model),
+            sections,
+        };
+        match page.to_html() {
+            Err(ReportError::TooLarge { .. }) if !is_bare => thumbnails.reduce()?,
+            html => return html,
+        }
+    }
+}
+
+fn what_was_run(header: &RunHeader, rows: &[FrameRow]) -> String {
+    let LedgerHead {
+        version,
+        scene,
+        scene_digest,
+        link,
+        card,
+        size: [width, height],
+        samples,
+        ..
+    } = LedgerHead::of(header);
+    let frames = match (rows.first(), rows.last()) {
+        (Some(first), Some(last)) if rows.len() > 1 => {
+            format!("{} frames, {} to {}", rows.len(), first.frame, last.frame)
+        }
+        (Some(only), _) => format!("frame {}", only.frame),
+        _ => "no frames".to_owned(),
+    };
+    let model = &header.model;
+    let samples = match samples {
+        1 => "1 sample".to_owned(),
+        _ => format!("{samples} samples"),
+    };
+    format!(
+        "Scene {scene} with model {model}: {frames}, {width} × {height} pixels, {samples} a \
+         pixel. Times are modelled for the link {link} and the card {card}. spinney {version}, \
+         scene digest {scene_digest}."
+    )
+}
+
+/// Uploads by cause, fetches, and what others would have sent.
+fn bytes_plot(rows: &[FrameRow]) -> Plot {
+    let sum = FrameRow::sum(rows);
+    let mut lines: Vec<Series> = sum
+        .upload_by_cause
+        .keys()
+        .map(|cause| {
+            let bytes = |row: &FrameRow| row.upload_by_cause.get(cause).copied().unwrap_or(0);
+            curve(rows, cause, |row| bytes(row) as f64)
+        })
+        .collect();
+    if sum.fetch.transfers > 0 {
+        lines.push(curve(rows, "fetched by draws", |row| {
+            row.fetch.payload_bytes as f64
+        }));
+    }
+    lines.push(curve(rows, "16 B a leaf", |row| {
+        (INDEX_BYTES_PER_LEAF * row.leaves) as f64
+    }));
+    lines.push(curve(rows, "64 B a leaf", |row| {
+        (FETCH_BYTES_PER_LEAF * row.leaves) as f64
+    }));
+    plot(
+        "Bytes a frame: uploads by cause, and what others would move",
+        "bytes",
+        Scale::Log,
+        lines,
+    )
+}
+
+fn leaves_plot(rows: &[FrameRow]) -> Plot {
+    let line = curve(rows, "leaves", |row| row.leaves as f64);
+    plot("Leaves a frame", "leaves", Scale::Linear, vec![line])
+}
+
+fn time_plot(rows: &[FrameRow]) -> Plot {
+    let mut lines = vec![curve(rows, "bus", |row| microseconds(row.bus_ticks()))];
+    if rows.iter().any(|row| row.gpu_ticks.is_some()) {
+        let gpu = |row: &FrameRow| row.gpu_ticks.map_or(f64::NAN, microseconds);
+        lines.push(curve(rows, "card", gpu));
+    }
+    plot("Modelled time a frame", "µs", Scale::Log, lines)
+}
+
+fn curve(rows: &[FrameRow], name: &str, value: impl Fn(&FrameRow) -> f64) -> Series {
+    let point = |row: &FrameRow| [f64::from(row.frame), value(row)];
+    Series {
+        name: name.to_owned(),
+        points: rows.iter().map(point).collect(),
+    }
+}
+
+fn plot(title: &str, label: &str, scale: Scale, series: Vec<Series>) -> Plot {
+    Plot {
+        title: title.to_owned(),
+        x: Axis {
+            label: "frame".to_owned(),
+            scale: Scale::Linear,
+        },
+        y: Axis {
+            label: label.to_owned(),
+            scale,
+        },
+        series,
+    }
+}
+
+/// Device memory by label, and its sum.
+fn resident_table(header: &RunHeader) -> Table {
+    let row = |(label, bytes): &(String, u64)| vec![Cell::Text(label.clone()), Cell::Count(*bytes)];
+    let mut rows: Vec<Vec<Cell>> = header.resident.iter().map(row).collect();
+    let sum = header.resident.iter().map(|(_, bytes)| bytes).sum();
+    rows.push(vec![Cell::Text("all".to_owned()), Cell::Count(sum)]);
+    Table {
+        columns: vec![Column::words("label"), Column::numbers("bytes")],
+        rows,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Stream as Noise;
+
+    #[test]
+    fn thumbnails_stay_even_however_many_frames_come() {
+        let picture = Picture::new(1, 1, vec![9; 4]).unwrap();
+        let mut thumbnails = Thumbnails::new();
+        for frame in 0..100 {
+            thumbnails.add(frame, &picture).unwrap();
+        }
+        let frames: Vec<u32> = thumbnails.kept.iter().map(|kept| kept.0).collect();
+        assert_eq!(frames, (0..100).step_by(8).collect::<Vec<u32>>());
+        thumbnails.reduce().unwrap();
+        assert_eq!(thumbnails.kept.len(), 7);
+        for _ in 0..4 {
+            thumbnails.reduce().unwrap();
+        }
+        assert!(thumbnails.kept.is_empty(), "at last none is left");
+    }
+
+    #[test]
+    fn pages_are_as_small_as_they_must_be() {
+        // Noise does not compress: 24 pictures of 300 KiB each, in base64, are too much.
+        let noise = Noise::new(1, 1);
+        let rgba = (0..4 * 80_000_u64).map(|index| u8::try_from(noise.below(index, 256)).unwrap());
+        let picture = Picture::new(320, 250, rgba.collect()).unwrap();
+        let mut thumbnails = Thumbnails::new();
+        for frame in 0..24 {
+            thumbnails.add(frame, &picture).unwrap();
+        }
+        let header = RunHeader {
+            scene: "noise".to_owned(),
+            scene_digest: crate::math::Digest([7; 32]),
+            model: "full".to_owned(),
+            link: Link::ALL[0],
+            card: crate::gpu::Card::ALL[0],
+            size: [320, 250],
+            samples: 4,
+            resolved: String::new(),
+            resident: Vec::new(),
+        };
+        let html = run_page(&header, &Ledger::default(), &[], &Links::new(), thumbnails).unwrap();
+        assert!(
+            (1_000_000..Page::MAX_BYTES).contains(&html.len()),
+            "{}",
+            html.len()
+        );
+        assert_eq!(html.matches("<img ").count(), 24);
+        assert!(html.contains("no frames, 320 × 250 pixels, 4 samples a pixel"));
+    }
+
+    #[test]
+    fn large_frames_become_small_pictures() {
+        let picture = Picture::new(1000, 500, vec![200; 4 * 500_000]).unwrap();
+        let mut thumbnails = Thumbnails::new();
+        thumbnails.add(7, &picture).unwrap();
+        let (frame, small) = &thumbnails.kept[0];
+        assert_eq!((*frame, small.width(), small.height()), (7, 250, 125));
+        thumbnails.reduce().unwrap();
+        assert_eq!(thumbnails.kept[0].1.width(), 125);
+    }
+}

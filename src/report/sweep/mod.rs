@@ -1,0 +1,343 @@
+//! What a walk along the axis of detail leaves: numbers, curves, and the table of all models.
+//!
+//! ```text
+//! Sweep ─┬─ sweep_json, sweep_csv ──▶ sweep.json, sweep.csv     every step of every model
+//!        ├─ sweep_plots ────────────▶ plots/*.svg
+//!        ├─ sweep_table, _notes ────▶ terminal, Markdown         one row a model
+//!        └─ sweep_page ─────────────▶ report.html
+//! ```
+//!
+//! **Invariant.** "Changes" are uploads but for the view's, which follow the camera. Bytes of
+//! different streams are never added; modelled times are.
+
+mod plots;
+mod table;
+
+pub use plots::sweep_plots;
+pub use table::{sweep_markdown, sweep_notes, sweep_table, sweep_text};
+
+use serde::Serialize;
+
+use super::run::{LedgerEntry, TrafficEntry, json};
+use super::{Cell, Column, OutputFolder, Page, ReportError, Section, Table};
+use crate::gpu::{Card, Link, nanoseconds};
+use crate::run::{Sweep, SweepModel, SweepStep};
+
+/// The value of `schema` in `sweep.json`.
+pub const SWEEP_SCHEMA: &str = "spinney.sweep/1";
+
+/// What was walked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SweepHeader {
+    /// The scene's name.
+    pub scene: String,
+    /// The link by which wire bytes and bus times are modelled.
+    pub link: Link,
+    /// The card by which GPU times are modelled.
+    pub card: Card,
+}
+
+/// A step or a sum of steps; fields in the order of the file.
+#[derive(Debug, Clone, Default, Serialize)]
+struct StepEntry {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    level: Option<f64>,
+    leaves: u64,
+    triangles: u64,
+    collapses: u64,
+    splits: u64,
+    clusters_touched: u64,
+    host_records: u64,
+    upload: TrafficEntry,
+    fetch: TrafficEntry,
+    command_bytes: u64,
+    bus_ns: u64,
+    gpu_ns: Option<u64>,
+    frame_ns: Option<u64>,
+    #[serde(flatten)]
+    shown: Option<Shown>,
+}
+
+/// What only a step has.
+#[derive(Debug, Clone, Serialize)]
+struct Shown {
+    image_digest: String,
+    covered_pixels: u64,
+    leaf_area: f64,
+    folded_leaves: u64,
+}
+
+impl StepEntry {
+    fn of(step: &SweepStep, level: f64) -> Self {
+        let ledger = &step.ledger;
+        Self {
+            level: Some(level),
+            leaves: step.leaves,
+            triangles: step.triangles,
+            collapses: u64::from(step.change.collapses),
+            splits: u64::from(step.change.splits),
+            clusters_touched: u64::from(step.change.clusters_touched),
+            host_records: step.change.host_records,
+            upload: TrafficEntry::of(&ledger.upload),
+            fetch: TrafficEntry::of(&ledger.fetch),
+            command_bytes: ledger.command_bytes,
+            bus_ns: nanoseconds(ledger.upload.ticks + ledger.fetch.ticks),
+            gpu_ns: ledger.gpu_ticks.map(nanoseconds),
+            frame_ns: step.frame_ticks().map(nanoseconds),
+            shown: Some(Shown {
+                image_digest: step.image_digest.to_string(),
+                covered_pixels: step.covered_pixels,
+                leaf_area: step.leaf_area,
+                folded_leaves: step.folded_leaves,
+            }),
+        }
+    }
+
+    fn add(&mut self, step: &Self) {
+        self.leaves += step.leaves;
+        self.triangles += step.triangles;
+        self.collapses += step.collapses;
+        self.splits += step.splits;
+        self.clusters_touched += step.clusters_touched;
+        self.host_records += step.host_records;
+        self.upload.add(step.upload);
+        self.fetch.add(step.fetch);
+        self.command_bytes += step.command_bytes;
+        self.bus_ns += step.bus_ns;
+        for (sum, time) in [
+            (&mut self.gpu_ns, step.gpu_ns),
+            (&mut self.frame_ns, step.frame_ns),
+        ] {
+            if let Some(time) = time {
+                *sum.get_or_insert_default() += time;
+            }
+        }
+    }
+}
+
+/// The steps with their place on the axis of detail.
+fn entries(model: &SweepModel) -> Vec<StepEntry> {
+    let entry = |step| StepEntry::of(step, level(model, step));
+    model.steps.iter().map(entry).collect()
+}
+
+/// Where a step stands: 0 is full detail, 1 the coarsest.
+fn level(model: &SweepModel, step: &SweepStep) -> f64 {
+    let last = model.steps.last().map_or(1, |last| last.step.max(1));
+    f64::from(step.step) / f64::from(last)
+}
+
+/// `sweep.json`: one step a line. The sums of the steps are sums of what the file says of them.
+#[must_use]
+pub fn sweep_json(header: &SweepHeader, sweep: &Sweep) -> String {
+    let models: Vec<String> = sweep.models.iter().map(model_json).collect();
+    let (schema, scene) = (json(&SWEEP_SCHEMA), json(&header.scene));
+    let (link, card) = (json(&header.link.name()), json(&header.card.name()));
+    let models = models.join(",");
+    format!(
+        "{{\"schema\":{schema},\"scene\":{scene},\"link\":{link},\"card\":{card},\"models\":[{models}\n]}}\n"
+    )
+}
+
+fn model_json(model: &SweepModel) -> String {
+    let entries = entries(model);
+    let mut totals = StepEntry::default();
+    entries.iter().for_each(|entry| totals.add(entry));
+    let steps: Vec<String> = entries
+        .iter()
+        .map(|entry| format!("\n{}", json(entry)))
+        .collect();
+    format!(
+        "\n{{\"model\":{},\n\"initial\":{},\n\"steps\":[{}\n],\n\"totals\":{}}}",
+        json(&model.variant.label()),
+        json(&LedgerEntry::of_ledger(&model.initial)),
+        steps.join(","),
+        json(&totals)
+    )
+}
+
+/// `sweep.csv`: a row a model and step. `changes` are the uploads but for the view's.
+#[must_use]
+pub fn sweep_csv(sweep: &Sweep) -> String {
+    let numbers = [
+        "step",
+        "level",
+        "leaves",
+        "triangles",
+        "collapses",
+        "splits",
+        "clusters_touched",
+        "host_records",
+        "changes_payload",
+        "upload_transfers",
+        "upload_payload",
+        "upload_wire",
+        "upload_ns",
+        "fetch_transfers",
+        "fetch_payload",
+        "fetch_wire",
+        "fetch_ns",
+        "command_bytes",
+        "bus_ns",
+        "gpu_ns",
+        "frame_ns",
+    ];
+    let shown = ["covered_pixels", "leaf_area", "folded_leaves"];
+    let mut columns = vec![Column::words("model")];
+    columns.extend(numbers.into_iter().map(Column::numbers));
+    columns.push(Column::words("image_digest"));
+    columns.extend(shown.into_iter().map(Column::numbers));
+    let models = sweep.models.iter();
+    let rows = models.flat_map(|model| model.steps.iter().map(|step| csv_cells(model, step)));
+    Table {
+        columns,
+        rows: rows.collect(),
+    }
+    .to_csv()
+}
+
+fn csv_cells(model: &SweepModel, step: &SweepStep) -> Vec<Cell> {
+    let entry = StepEntry::of(step, level(model, step));
+    let number = |value| Cell::Number { value, digits: 6 };
+    let maybe = |count: Option<u64>| count.map_or(Cell::Missing, Cell::Count);
+    let traffic = |traffic: TrafficEntry| {
+        let TrafficEntry {
+            transfers,
+            payload_bytes,
+            wire_bytes,
+            bus_ns,
+        } = traffic;
+        [transfers, payload_bytes, wire_bytes, bus_ns].map(Cell::Count)
+    };
+    let mut cells = vec![
+        Cell::Text(model.variant.label()),
+        Cell::Count(u64::from(step.step)),
+        number(level(model, step)),
+    ];
+    cells.extend(
+        [
+            entry.leaves,
+            entry.triangles,
+            entry.collapses,
+            entry.splits,
+            entry.clusters_touched,
+            entry.host_records,
+            changes(step),
+        ]
+        .map(Cell::Count),
+    );
+    cells.extend(traffic(entry.upload));
+    cells.extend(traffic(entry.fetch));
+    cells.extend([entry.command_bytes, entry.bus_ns].map(Cell::Count));
+    cells.extend([maybe(entry.gpu_ns), maybe(entry.frame_ns)]);
+    cells.extend([
+        Cell::Text(step.image_digest.to_string()),
+        Cell::Count(step.covered_pixels),
+        number(step.leaf_area),
+        Cell::Count(step.folded_leaves),
+    ]);
+    cells
+}
+
+/// Payload of a step's uploads, but for the view's.
+fn changes(step: &SweepStep) -> u64 {
+    let uploads = step.ledger.transfers.iter();
+    uploads
+        .filter(|transfer| transfer.stream == crate::gpu::Stream::Upload)
+        .filter(|transfer| transfer.cause.kind != super::run::VIEW)
+        .map(|transfer| transfer.payload_bytes)
+        .sum()
+}
+
+/// `report.html`.
+///
+/// # Errors
+///
+/// When the page is larger than a page may be.
+pub fn sweep_page(header: &SweepHeader, sweep: &Sweep) -> Result<String, ReportError> {
+    let steps = sweep.models.first().map_or(0, |model| model.steps.len());
+    let mut sections = vec![
+        Section::Text(format!(
+            "Scene {}: from full detail to the coarsest in {} equal steps, {} models. Times are \
+             modelled for the link {} and the card {}. spinney {}.",
+            header.scene,
+            steps.saturating_sub(1),
+            sweep.models.len(),
+            header.link.name(),
+            header.card.name(),
+            env!("CARGO_PKG_VERSION")
+        )),
+        Section::Table {
+            caption: String::new(),
+            table: sweep_table(sweep),
+        },
+        Section::Text(table::CAPTION.to_owned()),
+    ];
+    sections.extend(sweep_notes(sweep).into_iter().map(Section::Text));
+    sections.push(Section::Heading("Along the axis of detail".to_owned()));
+    let plots = sweep_plots(sweep).into_iter();
+    sections.extend(plots.map(|(_, plot)| Section::Figure(plot.to_svg())));
+    sections.push(Section::Heading("Device memory at full detail".to_owned()));
+    sections.push(Section::Table {
+        caption: String::new(),
+        table: resident_table(sweep),
+    });
+    Page {
+        title: format!("{}: all models along the axis of detail", header.scene),
+        sections,
+    }
+    .to_html()
+}
+
+/// Device memory by label, a column a model.
+fn resident_table(sweep: &Sweep) -> Table {
+    let all = sweep.models.iter().flat_map(|model| &model.resident);
+    let mut labels: Vec<&str> = all.map(|(label, _)| label.as_str()).collect();
+    labels.sort_unstable();
+    labels.dedup();
+    let bytes = |model: &SweepModel, label: &str| {
+        let found = model.resident.iter().find(|(known, _)| known == label);
+        found.map_or(Cell::Missing, |(_, bytes)| Cell::Count(*bytes))
+    };
+    let row = |label: &&str| {
+        let cells = sweep.models.iter().map(|model| bytes(model, label));
+        let name = Cell::Text((*label).to_owned());
+        std::iter::once(name).chain(cells).collect()
+    };
+    let mut rows: Vec<Vec<Cell>> = labels.iter().map(row).collect();
+    let sum = |model: &SweepModel| model.resident.iter().map(|(_, bytes)| bytes).sum();
+    let sums = sweep.models.iter().map(|model| Cell::Count(sum(model)));
+    rows.push(
+        std::iter::once(Cell::Text("all".to_owned()))
+            .chain(sums)
+            .collect(),
+    );
+    let models = sweep.models.iter();
+    let models = models.map(|model| Column::numbers(model.variant.label()));
+    Table {
+        columns: std::iter::once(Column::words("label, B"))
+            .chain(models)
+            .collect(),
+        rows,
+    }
+}
+
+/// Writes all that a walk leaves: `sweep.json`, `sweep.csv`, `plots/*.svg`, `table.md`,
+/// `report.html`.
+///
+/// # Errors
+///
+/// When a file cannot be written.
+pub fn write_sweep(
+    folder: &OutputFolder,
+    header: &SweepHeader,
+    sweep: &Sweep,
+) -> Result<(), ReportError> {
+    folder.write("sweep.json", sweep_json(header, sweep).as_bytes())?;
+    folder.write("sweep.csv", sweep_csv(sweep).as_bytes())?;
+    for (name, plot) in sweep_plots(sweep) {
+        folder.write(&format!("plots/{name}.svg"), plot.to_svg().as_bytes())?;
+    }
+    folder.write("table.md", sweep_markdown(sweep).as_bytes())?;
+    folder.write("report.html", sweep_page(header, sweep)?.as_bytes())
+}

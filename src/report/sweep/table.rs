@@ -1,0 +1,197 @@
+//! All models of a walk in one table, and what it says.
+
+use super::changes;
+use crate::gpu::{Link, Stream};
+use crate::models::Kind;
+use crate::report::run::{microseconds, note};
+use crate::report::{Cell, Column, Table, decimal, grouped};
+use crate::run::{Sweep, SweepModel, Variant};
+
+/// What the columns mean.
+pub(super) const CAPTION: &str = "First upload: everything before step 0. Payload, transfers and \
+     wire bytes are those of changes of detail over all steps, without the view; fetched is what \
+     draws pulled from host memory, times are modelled for both; resident is the device memory in \
+     use at the begin.";
+
+/// The links of the table: those of the papers' years, and a new one.
+const LINKS: [(&str, &str); 3] = [
+    ("agp8x", "AGP 8x, ms"),
+    ("pcie1x16", "PCIe 1, ms"),
+    ("pcie5x16", "PCIe 5, ms"),
+];
+
+/// One row a model.
+#[must_use]
+pub fn sweep_table(sweep: &Sweep) -> Table {
+    let headings = [
+        "first upload, B",
+        "payload, B",
+        "transfers",
+        "wire, B",
+        "commands, B",
+        "fetched, B",
+    ];
+    let times = LINKS.map(|(_, heading)| heading);
+    let last = ["vertices", "resident, B"];
+    let numbers = headings.into_iter().chain(times).chain(last);
+    let columns = numbers.map(Column::numbers);
+    Table {
+        columns: [Column::words("model")]
+            .into_iter()
+            .chain(columns)
+            .collect(),
+        rows: sweep.models.iter().map(cells).collect(),
+    }
+}
+
+fn cells(model: &SweepModel) -> Vec<Cell> {
+    let changes = model.changes();
+    let totals = model.totals();
+    let mut cells = vec![Cell::Text(model.variant.label())];
+    cells.extend(
+        [
+            model.initial.upload.payload_bytes,
+            changes.payload_bytes,
+            changes.transfers,
+            changes.wire_bytes,
+            totals.command_bytes,
+            totals.fetch.payload_bytes,
+        ]
+        .map(Cell::Count),
+    );
+    cells.extend(LINKS.map(|(name, _)| match Link::named(name) {
+        None => Cell::Missing,
+        Some(link) => {
+            let ticks = |stream| model.traffic_on(Some(link), stream).ticks;
+            Cell::Number {
+                value: microseconds(ticks(Stream::Upload) + ticks(Stream::Fetch)) / 1000.0,
+                digits: 3,
+            }
+        }
+    }));
+    cells.extend([totals.vertices, model.initial.resident_bytes].map(Cell::Count));
+    cells
+}
+
+/// The table for a terminal of so many columns, in several parts where it does not fit, then the
+/// notes.
+#[must_use]
+pub fn sweep_text(sweep: &Sweep, width: usize) -> String {
+    let table = sweep_table(sweep);
+    let mut parts = Vec::new();
+    let mut next = 1;
+    while next < table.columns.len() {
+        // As many columns as fit side by side with the model's whole name.
+        let fits = |end: &usize| {
+            let text = part(&table, next, *end).to_text(usize::MAX);
+            text.lines().all(|line| line.chars().count() <= width)
+        };
+        let mut ends = (next + 1..=table.columns.len()).rev();
+        let end = ends.find(fits).unwrap_or(next + 1);
+        parts.push(part(&table, next, end).to_text(width));
+        next = end;
+    }
+    let notes = sweep_notes(sweep);
+    let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
+    parts.push(notes);
+    parts.join("\n")
+}
+
+/// The first column and some others.
+fn part(table: &Table, from: usize, to: usize) -> Table {
+    let kept = || std::iter::once(0).chain(from..to);
+    let row = |row: &Vec<Cell>| kept().filter_map(|index| row.get(index).cloned()).collect();
+    Table {
+        columns: kept().map(|index| table.columns[index].clone()).collect(),
+        rows: table.rows.iter().map(row).collect(),
+    }
+}
+
+/// The table and the notes in Markdown.
+#[must_use]
+pub fn sweep_markdown(sweep: &Sweep) -> String {
+    let notes = sweep_notes(sweep);
+    let notes: String = notes.iter().map(|note| format!("- {note}\n")).collect();
+    format!("{}\n{CAPTION}\n\n{notes}", sweep_table(sweep).to_markdown())
+}
+
+/// How the modes of LoDF compare: what they send, and from where on a larger first upload has paid
+/// off. Bytes stand with transfers and times, since many small transfers can lose to a large one.
+#[must_use]
+pub fn sweep_notes(sweep: &Sweep) -> Vec<String> {
+    let find = |kind, gathered| {
+        let variant = Variant { kind, gathered };
+        sweep.models.iter().find(|model| model.variant == variant)
+    };
+    let Some(cluster) = find(Kind::LodfCluster, false) else {
+        return Vec::new();
+    };
+    let [slots, gathered, stamps] = [
+        (Kind::LodfSlots, false),
+        (Kind::LodfSlots, true),
+        (Kind::LodfStamps, false),
+    ]
+    .map(|(kind, gathered)| find(kind, gathered));
+    let compared = [slots, gathered, stamps].into_iter().flatten();
+    let ratios = compared.map(|other| ratio_note(cluster, other));
+    let paying = [slots.or(gathered), stamps].into_iter().flatten();
+    let pay_offs = paying.map(|other| pay_off_note(cluster, other));
+    let own = std::iter::once(note("Changes, lodf-cluster", &cluster.changes()));
+    own.chain(ratios).chain(pay_offs).collect()
+}
+
+fn ratio_note(cluster: &SweepModel, other: &SweepModel) -> String {
+    let [base, sent] = [cluster, other].map(SweepModel::changes);
+    let text = note(&format!("Changes, {}", other.variant.label()), &sent);
+    if sent.payload_bytes == 0 || sent.ticks == 0 {
+        return text;
+    }
+    let ratio = |base: u64, sent: u64| decimal(base as f64 / sent as f64, 2);
+    format!(
+        "{text} lodf-cluster takes {} times these bytes and {} times this bus time.",
+        ratio(base.payload_bytes, sent.payload_bytes),
+        ratio(base.ticks, sent.ticks)
+    )
+}
+
+fn pay_off_note(cluster: &SweepModel, other: &SweepModel) -> String {
+    let (name, base) = (other.variant.label(), cluster.variant.label());
+    let [first, larger] = [cluster, other].map(|model| model.initial.upload.payload_bytes);
+    let begin = match larger.checked_sub(first) {
+        Some(0) => format!("First upload: {name} sends as much as {base}"),
+        Some(more) => format!(
+            "First upload: {name} sends {} B more than {base}",
+            grouped(more, ",")
+        ),
+        None => format!(
+            "First upload: {name} sends {} B less than {base}",
+            grouped(first - larger, ",")
+        ),
+    };
+    match pay_off(cluster, other) {
+        Some(0) => format!("{begin}; there is nothing to pay off."),
+        Some(step) => {
+            let steps = cluster.steps.last().map_or(0, |last| last.step);
+            format!("{begin}; with its changes it has paid off at step {step} of {steps}.")
+        }
+        None => format!("{begin}; with its changes it does not pay off within this walk."),
+    }
+}
+
+/// The first step at which `other` has sent no more than `base`, first uploads and changes so far
+/// together.
+fn pay_off(base: &SweepModel, other: &SweepModel) -> Option<u32> {
+    let sums = |model: &SweepModel| -> Vec<u64> {
+        let begin = model.initial.upload.payload_bytes;
+        let steps = model.steps.iter().scan(begin, |sum, step| {
+            *sum += changes(step);
+            Some(*sum)
+        });
+        steps.collect()
+    };
+    let pairs = sums(base).into_iter().zip(sums(other));
+    let paid = pairs
+        .zip(&other.steps)
+        .find(|((base, other), _)| other <= base);
+    paid.map(|(_, step)| step.step)
+}
