@@ -1,13 +1,69 @@
-//! `spinney sweep`.
+//! `spinney sweep`: the axis of detail, for several models side by side.
 
 use super::arguments::{Shared, SweepOptions};
 use super::error::CliError;
+use super::prepare::Prepared;
+use super::run::folder;
 use super::terminal::Terminal;
+use crate::raster::Counters;
+use crate::report::{OutputFolder, SweepHeader, sweep_json, sweep_text, write_sweep};
+use crate::run::{self, Variant};
 
 pub(super) fn sweep(
-    _options: &SweepOptions,
-    _shared: &Shared,
-    _terminal: &Terminal,
+    options: &SweepOptions,
+    shared: &Shared,
+    terminal: &Terminal,
 ) -> Result<(), CliError> {
-    Ok(())
+    let variants = variants(&options.models)?;
+    let progress = terminal.progress();
+    let prepared = Prepared::new(
+        &options.scene,
+        Some(&options.drawing),
+        Counters::Exact,
+        shared,
+        terminal,
+        &progress,
+    )?;
+    let target = folder(shared, &format!("{}-sweep", prepared.scene.name));
+    // Before the work, so that a path that cannot be written is told at once.
+    let output = OutputFolder::create(&target)?;
+    let header = SweepHeader {
+        scene: prepared.scene.name.clone(),
+        link: prepared.options.link,
+        card: prepared.options.card,
+    };
+    let walk = run::SweepOptions {
+        variants,
+        steps: options.steps,
+        session: prepared.options,
+    };
+    let sweep = run::sweep(&prepared.scene, &prepared.world, &walk, &progress)?;
+    drop(progress);
+    write_sweep(&output, &header, &sweep)?;
+    output.commit()?;
+    if shared.json {
+        return terminal.print(&sweep_json(&header, &sweep));
+    }
+    let mut text = sweep_text(&sweep, terminal.width());
+    text.push_str(&format!(
+        "\n{}: plots, tables and report.html\n",
+        target.display()
+    ));
+    terminal.print(&text)
+}
+
+fn variants(labels: &[String]) -> Result<Vec<Variant>, CliError> {
+    if labels.is_empty() {
+        return Ok(Variant::ALL.to_vec());
+    }
+    let variant = |label: &String| {
+        Variant::labelled(label).ok_or_else(|| {
+            let known: Vec<String> = Variant::ALL.iter().map(|variant| variant.label()).collect();
+            CliError::Usage(format!(
+                "--models: {label:?} is unknown; known are {}, lodf-literal",
+                known.join(", ")
+            ))
+        })
+    };
+    labels.iter().map(variant).collect()
 }
