@@ -7,8 +7,9 @@ use super::error::CliError;
 use super::prepare::Prepared;
 use super::terminal::Terminal;
 use crate::raster::Counters;
-use crate::report::storage_report;
+use crate::report::{self, PrintedSize, is_paper_tree, storage_report};
 use crate::scene::PlantSource;
+use crate::simplify::{Accounting, CollapseSequence, PUBLISHED_SIZES, StorageCounts};
 
 pub(super) fn storage(
     options: &StorageOptions,
@@ -37,7 +38,13 @@ pub(super) fn storage(
             .map(|tree| &tree.source);
         let name = latin(options.scene.parent(), source)
             .unwrap_or_else(|| crown.plant().name().to_owned());
-        reports.push(storage_report(&name, crown, prepared.options.model));
+        let accountings = accountings(&name, crown.sequence());
+        reports.push(storage_report(
+            &name,
+            crown,
+            prepared.options.model,
+            accountings,
+        ));
     }
     if shared.json {
         let list: Vec<String> = reports.iter().map(|report| report.to_json()).collect();
@@ -48,6 +55,31 @@ pub(super) fn storage(
         .map(|report| report.to_text(terminal.width()))
         .collect();
     terminal.print(&texts.join("\n"))
+}
+
+/// Every way of counting, each with what the papers print for a tree of this name.
+fn accountings(name: &str, sequence: &CollapseSequence) -> Vec<report::Accounting> {
+    let counts = StorageCounts::of(sequence);
+    let printed = |accounting: Accounting| {
+        let rows = PUBLISHED_SIZES
+            .iter()
+            .filter(move |size| size.accounting == accounting && is_paper_tree(name, size.tree));
+        rows.map(|size| PrintedSize {
+            table: size.table.to_owned(),
+            mebibyte_hundredths: size.printed,
+            leaves: u64::from(size.counts.leaves),
+            erratum: size.erratum.map(str::to_owned),
+        })
+        .collect()
+    };
+    Accounting::ALL
+        .into_iter()
+        .map(|accounting| report::Accounting {
+            name: accounting.name().to_owned(),
+            bytes: accounting.bytes(counts),
+            printed: printed(accounting),
+        })
+        .collect()
 }
 
 /// The botanical name of a grown tree: what the papers' tables list.

@@ -39,7 +39,8 @@ pub use run::{
     frame_layers, run_notes, run_table,
 };
 pub use storage::{
-    Accounting, LeafCounts, ModelStorage, STORAGE_SCHEMA, StorageReport, storage_report,
+    Accounting, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport,
+    is_paper_tree, storage_report,
 };
 pub use sweep::{
     SWEEP_SCHEMA, SweepHeader, sweep_csv, sweep_json, sweep_markdown, sweep_notes, sweep_page,

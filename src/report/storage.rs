@@ -1,7 +1,7 @@
 //! What it takes to keep a tree: by the papers' accounting, as they printed it, and truly.
 //!
 //! The papers' tables count something that none of their listed structures add up to; so both are
-//! shown: their accounting, which reproduces the printed figures, and the bytes of what was built.
+//! shown: ways of counting with what is printed, which are handed in, and the bytes of what is built.
 
 use std::sync::Arc;
 
@@ -41,25 +41,34 @@ pub struct LeafCounts {
     pub leaves: u64,
     /// `C`: collapses.
     pub collapses: u64,
-    /// `Lʳ = L + C`: leaves, old and new.
+    /// `L + C`: leaves, old and new.
     pub records: u64,
     /// `G = L − C`: leaves at the coarsest level, one a cluster.
     pub groups: u64,
 }
 
 /// One way of counting.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Accounting {
-    /// What is counted.
-    pub name: &'static str,
-    /// How.
-    pub formula: &'static str,
-    /// Bytes, rounded to the nearest.
+    /// What is counted, in a few words.
+    pub name: String,
+    /// What it comes to.
     pub bytes: u64,
-    /// Bytes an original leaf.
-    pub bytes_per_leaf: f64,
-    /// What the papers print for this tree, in MiB.
-    pub printed_mib: Option<f64>,
+    /// What the papers print for this tree.
+    pub printed: Vec<PrintedSize>,
+}
+
+/// A size as the papers print it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PrintedSize {
+    /// The table's number.
+    pub table: String,
+    /// The size, in hundredths of a MiB.
+    pub mebibyte_hundredths: u64,
+    /// Original leaves of the papers' tree.
+    pub leaves: u64,
+    /// Why it is wrong, if it is.
+    pub erratum: Option<String>,
 }
 
 /// What one model truly takes, in bytes, without textures and materials.
@@ -75,116 +84,23 @@ pub struct ModelStorage {
     pub instance_bytes: u64,
 }
 
-impl LeafCounts {
-    /// The counts for `L` original leaves and `C` collapses.
-    #[must_use]
-    pub fn new(leaves: u64, collapses: u64) -> Self {
-        Self {
-            vertices: 4 * leaves,
-            leaves,
-            collapses,
-            records: leaves + collapses,
-            groups: leaves.saturating_sub(collapses),
-        }
-    }
-
-    /// The foliage without levels: 12 bytes a vertex and 16 a leaf, the figures of
-    /// [RRCGR](crate::references), Table I.
-    #[must_use]
-    pub fn original_bytes(&self) -> u64 {
-        12 * self.vertices + 16 * self.leaves
-    }
-
-    /// VDF: 12 bytes a vertex and 28 a leaf, old or new, the figures of
-    /// [RRCGR](crate::references), Table II.
-    #[must_use]
-    pub fn vdf_bytes(&self) -> u64 {
-        12 * self.vertices + 28 * self.records
-    }
-
-    /// LoDF, not hardware-oriented: 79 bytes an original leaf, fitted to
-    /// [RRCGR](crate::references), Tables III and IV.
-    #[must_use]
-    pub fn lodf_bytes(&self) -> u64 {
-        79 * self.leaves
-    }
-
-    /// LoDF, hardware-oriented: 95.1 bytes an original leaf, fitted to
-    /// [RRCGR](crate::references), Table V; to the nearest byte.
-    #[must_use]
-    pub fn lodf_hardware_bytes(&self) -> u64 {
-        (951 * self.leaves + 5) / 10
-    }
-
-    /// LoDF by its own words: 25 bytes a vertex ([RCRG06](crate::references), eq. 9).
-    #[must_use]
-    pub fn lodf_word_bytes(&self) -> u64 {
-        25 * self.vertices
-    }
-
-    /// LoDF by the structures that [RRCGR](crate::references) lists: vertices, `Leaf` and list entry
-    /// a leaf, old or new, `Changed_groups`, and 12 bytes a group.
-    #[must_use]
-    pub fn lodf_struct_bytes(&self) -> u64 {
-        12 * self.vertices + 24 * self.records + 4 * self.collapses + 12 * self.groups
-    }
-}
-
-/// What it takes to keep a crown. `name` is what the plant is called, with its Latin name where the
-/// papers' figures are wanted beside it.
+/// What it takes to keep a crown: the accountings as they are handed in, and what every model of it
+/// truly takes.
 #[must_use]
-pub fn storage_report(name: &str, crown: &Arc<Crown>, options: ModelOptions) -> StorageReport {
+pub fn storage_report(
+    plant: &str,
+    crown: &Arc<Crown>,
+    options: ModelOptions,
+    accountings: Vec<Accounting>,
+) -> StorageReport {
     let sequence = crown.sequence();
-    let counts = LeafCounts::new(
-        u64::from(sequence.original_count()),
-        u64::from(sequence.collapse_count()),
-    );
-    let paper = PaperTree::named(name);
-    let accounting = |name, formula, bytes: u64, printed: Option<u32>| Accounting {
-        name,
-        formula,
-        bytes,
-        bytes_per_leaf: bytes as f64 / counts.leaves.max(1) as f64,
-        printed_mib: printed.map(|hundredths| f64::from(hundredths) / 100.0),
+    let counts = LeafCounts {
+        vertices: crown.vertices().len() as u64,
+        leaves: u64::from(sequence.original_count()),
+        collapses: u64::from(sequence.collapse_count()),
+        records: u64::from(sequence.record_count()),
+        groups: u64::from(sequence.root_count()),
     };
-    let accountings = vec![
-        accounting(
-            "original",
-            "12 V + 16 L, Table I",
-            counts.original_bytes(),
-            paper.map(|tree| tree.original),
-        ),
-        accounting(
-            "VDF",
-            "12 V + 28 Lr, Table II",
-            counts.vdf_bytes(),
-            paper.and_then(|tree| tree.vdf),
-        ),
-        accounting(
-            "LoDF",
-            "79 L, Tables III, IV",
-            counts.lodf_bytes(),
-            paper.and_then(|tree| tree.lodf),
-        ),
-        accounting(
-            "LoDF, hardware",
-            "95.1 L, Table V",
-            counts.lodf_hardware_bytes(),
-            paper.and_then(|tree| tree.hardware),
-        ),
-        accounting(
-            "LoDF, words",
-            "25 V, WSCG eq. 9",
-            counts.lodf_word_bytes(),
-            None,
-        ),
-        accounting(
-            "LoDF, structures",
-            "12 V + 24 Lr + 4 C + 12 G",
-            counts.lodf_struct_bytes(),
-            None,
-        ),
-    ];
     let model = |kind: Kind| {
         let storage = kind.model(crown, options).storage();
         ModelStorage {
@@ -196,39 +112,55 @@ pub fn storage_report(name: &str, crown: &Arc<Crown>, options: ModelOptions) -> 
     };
     StorageReport {
         schema: STORAGE_SCHEMA,
-        plant: name.to_owned(),
+        plant: plant.to_owned(),
         counts,
-        notes: notes(paper, &counts, &accountings),
+        notes: notes(&counts, &accountings),
         accountings,
         models: Kind::ALL.into_iter().map(model).collect(),
     }
+}
+
+/// Whether a plant's name holds the name of a tree of the papers, which abbreviate some: the yew
+/// `common yew (Taxus baccata)` is `Taxus Baccata`, `Juniperus oxycedrus` is `J. Oxycedrus`.
+#[must_use]
+pub fn is_paper_tree(plant: &str, tree: &str) -> bool {
+    let lower = plant.to_lowercase();
+    let words = lower.split(|c: char| !c.is_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let wanted: Vec<String> = tree.split_whitespace().map(str::to_lowercase).collect();
+    let is_like = |word: &str, wanted: &str| match wanted.strip_suffix('.') {
+        Some(beginning) => word.starts_with(beginning),
+        None => word == wanted,
+    };
+    let is_named = |found: &[&str]| {
+        let mut pairs = found.iter().zip(&wanted);
+        pairs.all(|(word, wanted)| is_like(word, wanted))
+    };
+    !wanted.is_empty() && words.windows(wanted.len()).any(is_named)
 }
 
 impl StorageReport {
     /// The papers' accounting as a table.
     #[must_use]
     pub fn accounting_table(&self) -> Table {
+        let leaves = self.counts.leaves.max(1) as f64;
         let number = |value, digits| Cell::Number { value, digits };
         let row = |entry: &Accounting| {
             vec![
-                Cell::Text(entry.name.to_owned()),
-                Cell::Text(entry.formula.to_owned()),
+                Cell::Text(entry.name.clone()),
                 Cell::Count(entry.bytes),
-                number(entry.bytes_per_leaf, 2),
+                number(entry.bytes as f64 / leaves, 2),
                 number(mebibytes(entry.bytes), 3),
-                entry
-                    .printed_mib
-                    .map_or(Cell::Missing, |printed| number(printed, 2)),
+                printed_cell(&entry.printed),
             ]
         };
         Table {
             columns: vec![
                 Column::words("accounting"),
-                Column::words("formula"),
                 Column::numbers("bytes"),
                 Column::numbers("B/leaf"),
                 Column::numbers("MiB"),
-                Column::numbers("printed"),
+                Column::numbers("printed, MiB"),
             ],
             rows: self.accountings.iter().map(row).collect(),
         }
@@ -276,8 +208,8 @@ impl StorageReport {
             [vertices, leaves, collapses, records, groups].map(|count| grouped(count, ","));
         let notes: String = self.notes.iter().map(|note| format!("{note}\n")).collect();
         format!(
-            "{}: {leaves} leaves (L), {vertices} vertices (V), {collapses} collapses (C),\n\
-             {records} leaves old and new (Lr), {groups} groups (G)\n\n\
+            "{}: {leaves} leaves, {vertices} vertices, {collapses} collapses,\n\
+             {records} leaves old and new, {groups} clusters\n\n\
              By the papers' accounting\n{}\n\
              As built: host and shared once a species, instance once a tree\n{}\n{notes}",
             self.plant,
@@ -297,202 +229,138 @@ fn mebibytes(bytes: u64) -> f64 {
     bytes as f64 / f64::from(1 << 20)
 }
 
-/// Why the columns differ.
-fn notes(
-    paper: Option<&PaperTree>,
-    counts: &LeafCounts,
-    accountings: &[Accounting],
-) -> Vec<String> {
+/// `3.63 (III, IV)`, or several where tables differ.
+fn printed_cell(printed: &[PrintedSize]) -> Cell {
+    let mut sizes: Vec<(u64, Vec<&str>)> = Vec::new();
+    for size in printed {
+        let hundredths = size.mebibyte_hundredths;
+        match sizes.iter_mut().find(|(known, _)| *known == hundredths) {
+            Some((_, tables)) => tables.push(&size.table),
+            None => sizes.push((hundredths, vec![&size.table])),
+        }
+    }
+    if sizes.is_empty() {
+        return Cell::Missing;
+    }
+    let text = |(size, tables): &(u64, Vec<&str>)| {
+        format!("{} ({})", hundredths(*size), tables.join(", "))
+    };
+    Cell::Text(sizes.iter().map(text).collect::<Vec<String>>().join(", "))
+}
+
+fn hundredths(size: u64) -> String {
+    format!("{}.{:02}", size / 100, size % 100)
+}
+
+/// Why figures differ.
+fn notes(counts: &LeafCounts, accountings: &[Accounting]) -> Vec<String> {
+    let printed = || {
+        accountings
+            .iter()
+            .flat_map(|entry| entry.printed.iter().map(move |p| (entry, p)))
+    };
+    let Some((_, first)) = printed().next() else {
+        return Vec::new();
+    };
     let mut notes = vec![
-        "79 and 95.1 bytes a leaf reproduce the printed figures; no structure that the papers \
-         list adds up to them. Their difference is 16 bytes a leaf: the index buffer at full \
-         detail."
-            .to_owned(),
-        "The structures that are listed, and the paper's own count of words, come to about 1.56 \
-         times the original, not to the printed 1.24."
+        "What the papers print for LoDF follows from no structure that they list: 79 and 95.1 \
+         bytes a leaf are fitted. The structures, and the paper's own count of words, come to \
+         about 1.56 times the original, not to the printed 1.24."
             .to_owned(),
     ];
-    let Some(paper) = paper else { return notes };
-    if paper.leaves != counts.leaves {
+    if first.leaves != counts.leaves {
         notes.push(format!(
-            "The paper's {} has {} leaves, this tree {}: printed figures do not compare.",
-            paper.latin,
-            grouped(paper.leaves, ","),
+            "The papers' tree has {} leaves, this one {}: printed sizes do not compare.",
+            grouped(first.leaves, ","),
             grouped(counts.leaves, ",")
         ));
         return notes;
     }
-    for entry in accountings {
-        let Some(printed) = entry.printed_mib else {
-            continue;
-        };
+    for (entry, size) in printed() {
         let computed = mebibytes(entry.bytes);
-        if (computed - printed).abs() > 0.0051 {
+        let differs = (computed - size.mebibyte_hundredths as f64 / 100.0).abs() > 0.0051;
+        if differs || size.erratum.is_some() {
+            let why = size.erratum.as_ref().map(|why| format!(" {why}."));
             notes.push(format!(
-                "{}: computed {} MiB, printed {}.",
+                "Table {} prints {} MiB, {} comes to {}.{}",
+                size.table,
+                hundredths(size.mebibyte_hundredths),
                 entry.name,
                 decimal(computed, 3),
-                decimal(printed, 2)
+                why.unwrap_or_default()
             ));
         }
     }
-    notes.extend(paper.note.map(str::to_owned));
     notes
 }
-
-/// A row of [RRCGR](crate::references)'s tables; sizes in hundredths of a MiB as printed.
-#[derive(Debug)]
-struct PaperTree {
-    latin: &'static str,
-    leaves: u64,
-    original: u32,
-    vdf: Option<u32>,
-    lodf: Option<u32>,
-    hardware: Option<u32>,
-    note: Option<&'static str>,
-}
-
-impl PaperTree {
-    /// The row of a tree whose name holds the Latin name.
-    fn named(name: &str) -> Option<&'static Self> {
-        let name = name.to_lowercase().replace(['_', '-'], " ");
-        PAPER_TREES
-            .iter()
-            .find(|tree| name.contains(&tree.latin.to_lowercase()))
-    }
-}
-
-const fn tree(latin: &'static str, leaves: u64, original: u32) -> PaperTree {
-    PaperTree {
-        latin,
-        leaves,
-        original,
-        vdf: None,
-        lodf: None,
-        hardware: None,
-        note: None,
-    }
-}
-
-/// Tables I to V; LoDF from Table III where it has the tree, else from Table IV.
-const PAPER_TREES: [PaperTree; 11] = [
-    PaperTree {
-        vdf: Some(80),
-        lodf: Some(61),
-        ..tree("Betula populifolia", 8140, 50)
-    },
-    PaperTree {
-        vdf: Some(201),
-        lodf: Some(154),
-        ..tree("Betula lenta", 20_376, 124)
-    },
-    PaperTree {
-        lodf: Some(42),
-        hardware: Some(51),
-        ..tree("Pistacia lentiscus", 5594, 34)
-    },
-    PaperTree {
-        lodf: Some(81),
-        hardware: Some(97),
-        ..tree("Spartium junceum", 10_740, 66)
-    },
-    PaperTree {
-        lodf: Some(121),
-        hardware: Some(146),
-        ..tree("Olea europaea", 16_107, 98)
-    },
-    PaperTree {
-        lodf: Some(150),
-        hardware: Some(181),
-        ..tree("Cupressus sempervirens", 19_951, 122)
-    },
-    PaperTree {
-        lodf: Some(153),
-        hardware: Some(184),
-        ..tree("Quercus suber", 20_281, 124)
-    },
-    PaperTree {
-        vdf: Some(245),
-        lodf: Some(187),
-        hardware: Some(150),
-        note: Some(
-            "Tables IV and V print 1.50 for Sorbus aucuparia, less than the original takes: the \
-             row is corrupt. Table III prints 1.87.",
-        ),
-        ..tree("Sorbus aucuparia", 24_840, 152)
-    },
-    PaperTree {
-        lodf: Some(246),
-        hardware: Some(293),
-        note: Some(
-            "Table IV prints 2.46 for Juniperus oxycedrus; the other rows' bytes a leaf give 2.43.",
-        ),
-        ..tree("Juniperus oxycedrus", 32_289, 197)
-    },
-    PaperTree {
-        lodf: Some(310),
-        hardware: Some(373),
-        ..tree("Quercus cerris", 41_155, 251)
-    },
-    PaperTree {
-        vdf: Some(476),
-        lodf: Some(363),
-        hardware: Some(437),
-        ..tree("Taxus baccata", 48_160, 294)
-    },
-];
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Table II's number of approximations for each tree: one more than collapses.
-    const APPROXIMATIONS: [(&str, u64); 4] = [
-        ("Betula populifolia", 8019),
-        ("Betula lenta", 20_090),
-        ("Sorbus aucuparia", 24_498),
-        ("Taxus baccata", 47_520),
-    ];
-
-    fn close(bytes: u64, printed: u32) -> bool {
-        (mebibytes(bytes) - f64::from(printed) / 100.0).abs() <= 0.0051
+    #[test]
+    fn trees_are_known_by_their_latin_names() {
+        for (plant, tree) in [
+            ("common yew (Taxus baccata)", "Taxus Baccata"),
+            ("species/quercus_suber.toml", "Quercus Suber"),
+            ("Juniperus oxycedrus", "J. Oxycedrus"),
+        ] {
+            assert!(is_paper_tree(plant, tree), "{plant}");
+        }
+        for (plant, tree) in [
+            ("Quercus suber", "Quercus Cerris"),
+            ("oxycedrus", "J. Oxycedrus"),
+            ("oak", ""),
+        ] {
+            assert!(!is_paper_tree(plant, tree), "{plant}");
+        }
     }
 
-    #[test]
-    fn accounting_gives_what_the_papers_print() {
-        for tree in &PAPER_TREES {
-            let counts = LeafCounts::new(tree.leaves, 0);
-            assert!(close(counts.original_bytes(), tree.original), "{tree:?}");
-            // Errata T5 and T6: two rows that cannot be right.
-            if let Some(printed) = tree.lodf {
-                let fits = close(counts.lodf_bytes(), printed);
-                assert_eq!(fits, tree.latin != "Juniperus oxycedrus", "{tree:?}");
-            }
-            if let Some(printed) = tree.hardware {
-                let fits = close(counts.lodf_hardware_bytes(), printed);
-                assert_eq!(fits, tree.latin != "Sorbus aucuparia", "{tree:?}");
-            }
-        }
-        for (name, approximations) in APPROXIMATIONS {
-            let tree = PaperTree::named(name).unwrap();
-            let counts = LeafCounts::new(tree.leaves, approximations - 1);
-            assert!(close(counts.vdf_bytes(), tree.vdf.unwrap()), "{name}");
+    fn size(table: &str, mebibyte_hundredths: u64, erratum: Option<&str>) -> PrintedSize {
+        PrintedSize {
+            table: table.to_owned(),
+            mebibyte_hundredths,
+            leaves: 24_840,
+            erratum: erratum.map(str::to_owned),
         }
     }
 
     #[test]
-    fn words_and_structures_are_more_than_the_tables_say() {
-        let taxus = LeafCounts::new(48_160, 47_520);
-        let ratio = |bytes: u64| bytes as f64 / taxus.original_bytes() as f64;
-        assert_eq!(ratio(taxus.lodf_word_bytes()), 1.5625);
-        assert!((ratio(taxus.lodf_struct_bytes()) - 1.56).abs() < 0.005);
+    fn printed_sizes_name_their_tables() {
+        assert_eq!(printed_cell(&[]), Cell::Missing);
+        let sizes = [
+            size("III", 187, None),
+            size("IV", 150, None),
+            size("V", 187, None),
+        ];
+        let wanted = "1.87 (III, V), 1.50 (IV)";
+        assert_eq!(printed_cell(&sizes), Cell::Text(wanted.to_owned()));
     }
 
     #[test]
-    fn trees_are_found_by_their_latin_names() {
-        let found = |name| PaperTree::named(name).map(|tree| tree.leaves);
-        assert_eq!(found("common yew (Taxus baccata)"), Some(48_160));
-        assert_eq!(found("species/quercus_suber.toml"), Some(20_281));
-        assert_eq!(found("oak"), None);
+    fn sizes_that_do_not_fit_are_named() {
+        let counts = |leaves| LeafCounts {
+            vertices: 4 * leaves,
+            leaves,
+            collapses: 0,
+            records: leaves,
+            groups: leaves,
+        };
+        let entry = Accounting {
+            name: "LoDF (printed)".to_owned(),
+            bytes: 79 * 24_840,
+            printed: vec![
+                size("III", 187, None),
+                size("IV", 150, Some("T5: too small")),
+            ],
+        };
+        let found = notes(&counts(24_840), std::slice::from_ref(&entry));
+        let wanted = "Table IV prints 1.50 MiB, LoDF (printed) comes to 1.871. T5: too small.";
+        assert_eq!(found[1..], [wanted]);
+        let found = notes(&counts(30), &[entry]);
+        let wanted =
+            "The papers' tree has 24,840 leaves, this one 30: printed sizes do not compare.";
+        assert_eq!(found[1..], [wanted]);
+        assert!(notes(&counts(30), &[]).is_empty());
     }
 }

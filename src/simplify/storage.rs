@@ -11,7 +11,7 @@
 //!
 //! `L` originals and `C` collapses make `V = 4 L` vertices, `L + C` leaf records and `G = L − C`
 //! clusters. The first two rows give the papers' tables to the printed digit; the structures that
-//! the papers list give a quarter more than the sizes that they print (ERRATA T1), so reports show
+//! the papers list give a quarter more than the sizes that they print, so reports show
 //! both. All arithmetic is in integers.
 
 use super::CollapseSequence;
@@ -58,7 +58,7 @@ impl StorageCounts {
 /// hardware-oriented, as a ratio.
 ///
 /// Empirical: it fits all ten rows of Tables III and IV of [RRCGR](crate::references) that are not
-/// corrupt, and follows from no structure that the papers list (ERRATA T1).
+/// corrupt, and follows from no structure that the papers list.
 pub const PRINTED_LODF_BYTES: [u64; 2] = [79, 1];
 
 /// The same for the hardware-oriented LoDF of Table V: all eight rows that are not corrupt.

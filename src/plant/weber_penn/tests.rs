@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::math::{Sphere, Vec3};
 use crate::plant::{LeafGroup, Prototype};
 
-/// Table I of the papers: leaves, and collapses (ERRATA T3 and T4 say which table is to be trusted).
+/// Table I of the papers: leaves, and collapses; where tables disagree, the one whose clusters add up.
 const TABLE_1: [(&str, u32, u32); 11] = [
     ("betula_populifolia", 8140, 8018),
     ("betula_lenta", 20376, 20089),
