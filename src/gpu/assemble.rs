@@ -41,7 +41,14 @@ pub(super) fn corners(
                 .collect()
         }
         (Corners::Indexed, None) => Vec::new(),
-        (Corners::Counted, _) => (first..first.saturating_add(count)).collect(),
+        (Corners::Counted, _) => {
+            if let (Some((buffer, stride)), Some(last)) = (vertices, count.checked_sub(1)) {
+                // Before corners are listed that may be too many to list.
+                let last = u64::from(first) + u64::from(last);
+                buffer.range(last * u64::from(stride), u64::from(stride), "draw")?;
+            }
+            (first..first.saturating_add(count)).collect()
+        }
     };
     if let Some((buffer, stride)) = vertices
         && let Some(&most) = corners.iter().max()

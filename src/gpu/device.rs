@@ -74,21 +74,25 @@ impl Device {
     ///
     /// # Errors
     ///
-    /// [`GpuError::OutOfMemory`] when a device-resident buffer does not fit the budget.
+    /// [`GpuError::OutOfMemory`] when a device-resident buffer does not fit the budget, or any
+    /// buffer not this machine.
     pub fn create_buffer(
         &mut self,
         descriptor: &BufferDescriptor<'_>,
     ) -> Result<BufferId, GpuError> {
-        let size = usize::try_from(descriptor.size)
-            .map_err(|_overflow| self.out_of_memory(descriptor.label, descriptor.size))?;
+        let refused = || self.out_of_memory(descriptor.label, descriptor.size);
+        let size = usize::try_from(descriptor.size).map_err(|_overflow| refused())?;
+        let mut bytes = Vec::new();
+        bytes.try_reserve_exact(size).map_err(|_full| refused())?;
         if descriptor.residency == Residency::Device {
             self.allocate(descriptor.label, descriptor.size)?;
         }
+        bytes.resize(size, 0);
         self.buffers.push(Some(Buffer {
             label: descriptor.label.to_owned(),
             usage: descriptor.usage,
             residency: descriptor.residency,
-            bytes: vec![0; size],
+            bytes,
         }));
         Ok(BufferId(index_u32(self.buffers.len() - 1)))
     }
@@ -289,6 +293,22 @@ impl Device {
     /// [`GpuError::Unknown`] when the buffer does not exist.
     pub fn inspect_buffer(&self, buffer: BufferId) -> Result<&[u8], GpuError> {
         Ok(&self.buffer(buffer)?.bytes)
+    }
+
+    /// Looks at the bytes of a mip level through the same microscope.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] when the texture or the level does not exist.
+    pub fn inspect_texture(&self, texture: TextureId, level: u32) -> Result<&[u8], GpuError> {
+        let texels = &self.texture(texture)?.texels;
+        if level >= texels.level_count() {
+            return Err(GpuError::Unknown {
+                what: "mip level",
+                index: level,
+            });
+        }
+        Ok(texels.level_bytes(level))
     }
 
     /// Overwrites bytes of a buffer with `filler` behind the bus's back, to prove that nobody reads

@@ -20,7 +20,7 @@ use crate::math::Vec4;
 pub enum Command {
     /// Draws into a target.
     Render(RenderPass),
-    /// Copies within the device.
+    /// Copies within the device; both buffers must be device-resident.
     Copy {
         /// Where from.
         source: BufferId,
@@ -33,7 +33,7 @@ pub enum Command {
         /// How many bytes.
         size: u64,
     },
-    /// Sets bytes to zero within the device.
+    /// Sets bytes to zero within the device; the buffer must be device-resident.
     Clear {
         /// Where.
         buffer: BufferId,
@@ -82,7 +82,7 @@ pub enum Step {
     Vertices(BufferId),
     /// Sets the buffer that indices come from.
     Indices(BufferId),
-    /// Sets a buffer that the program reads.
+    /// Sets a buffer that the program reads; it must be device-resident.
     Storage {
         /// The program's slot.
         slot: u32,

@@ -161,15 +161,18 @@ pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError>
                 None
             }
             Step::Vertices(buffer) => {
+                device.buffer(buffer)?;
                 vertices = Some(buffer);
                 None
             }
             Step::Indices(buffer) => {
+                device.buffer(buffer)?;
                 indices = Some(buffer);
                 None
             }
             Step::Storage { slot, buffer } => {
-                device.buffer(buffer)?;
+                // Only the input assembler pulls from host memory, where it is counted.
+                device.buffer(buffer)?.check_on_device("a storage buffer")?;
                 *slot_mut(&mut storage, slot)? = Some(buffer);
                 None
             }

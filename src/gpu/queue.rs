@@ -73,13 +73,7 @@ impl<'d> Queue<'d> {
         for region in regions {
             let slot = self.device.buffer(region.buffer)?;
             slot.range(region.offset, region.bytes.len() as u64, "write")?;
-            if slot.residency == Residency::Host {
-                return Err(GpuError::Usage {
-                    label: slot.label.clone(),
-                    has: "host memory".to_owned(),
-                    wanted: "the target of a gathered write".to_owned(),
-                });
-            }
+            slot.check_on_device("the target of a gathered write")?;
         }
         for region in regions {
             self.store(region.buffer, region.offset, region.bytes, "write")?;
@@ -190,7 +184,10 @@ impl<'d> Queue<'d> {
                     let slot = self.device.buffer(*source)?;
                     let range = slot.range(*source_offset, *size, "copy")?;
                     slot.check_usage(Usage::COPY_SOURCE)?;
+                    slot.check_on_device("the source of a copy")?;
                     let bytes = slot.bytes[range].to_vec();
+                    let target = self.device.buffer(*destination)?;
+                    target.check_on_device("the destination of a copy")?;
                     self.store(*destination, *destination_offset, &bytes, "copy")?;
                     self.device.bus.ledger().command_bytes += COPY_BYTES;
                     self.device.bus.note(RecordingEntry::Copy {
@@ -206,6 +203,8 @@ impl<'d> Queue<'d> {
                     offset,
                     size,
                 } => {
+                    let slot = self.device.buffer(*buffer)?;
+                    slot.check_on_device("the target of a clear")?;
                     self.device
                         .buffer_range_mut(*buffer, *offset, *size, "clear")?
                         .fill(0);

@@ -80,7 +80,8 @@ pub enum Residency {
     /// In device memory: writes cross the bus, draws read for free.
     Device,
     /// In host memory (the papers' "not hardware-oriented"): writes are free, every draw pulls what
-    /// it reads over the bus, again each time.
+    /// it reads over the bus, again each time. Vertices, indices and draw arguments may lie there;
+    /// copies, clears and programs' storage may not, since nothing would count them.
     Host,
 }
 
@@ -141,6 +142,18 @@ impl Buffer {
             has: format!("{:?}", self.usage),
             wanted: format!("{wanted:?}"),
         })
+    }
+
+    /// Refuses a buffer in host memory for what would move its bytes past the bus.
+    pub(super) fn check_on_device(&self, wanted: &str) -> Result<(), GpuError> {
+        match self.residency {
+            Residency::Device => Ok(()),
+            Residency::Host => Err(GpuError::Usage {
+                label: self.label.clone(),
+                has: "host memory".to_owned(),
+                wanted: wanted.to_owned(),
+            }),
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! Tests of the library through its public face.
 
 mod gltf;
+mod gpu;
+mod laws;
 mod layering;
 mod mass;
 mod model_contracts;

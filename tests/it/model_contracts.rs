@@ -1,15 +1,14 @@
-//! The laws that every model and mode keeps, on random crowns and random walks through states.
-//!
-//! Each law names the seeded bug that it was seen to catch, and a test at the end plants it.
+//! Every model and mode keeps the [laws](crate::laws), on random crowns and random walks through
+//! states; a test at the end plants the bugs that the laws name.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use proptest::prelude::{ProptestConfig, any, prop_assert_eq, proptest};
 use proptest::test_runner::TestCaseError;
-use spinney::gpu::{BufferId, RecordingEntry, ResourceId};
+use spinney::math::index_usize;
 use spinney::models::{Crown, Extraction, Gather, Kind, ModelOptions, State};
 
+use crate::laws::{bytes, check_conservation, check_image, check_partition, check_residency};
 use crate::support::{OPTIONS, Stage, random_crown, random_state};
 
 const SIDE: u32 = 48;
@@ -30,161 +29,16 @@ fn options(choice: u64) -> ModelOptions {
     }
 }
 
-/// Law 1, residency: after any walk, every byte that a draw of the state can read equals a fresh
-/// upload of that state; what draws pull from the host is the same, primitive by primitive.
-///
-/// Caught: a resident that commits a state of one collapse more than it says.
-fn check_residency(walked: &mut Stage, fresh: &mut Stage) -> Result<(), TestCaseError> {
-    fresh.device.track_reads();
-    fresh.draw();
-    let reads = fresh.device.reads().expect("just tracked");
-    for buffer in reads.buffers() {
-        let (wanted, found) = (bytes(fresh, buffer), bytes(walked, buffer));
-        prop_assert_eq!(wanted.len(), found.len());
-        for range in reads.ranges(buffer) {
-            let range = range.start as usize..(range.end as usize).min(wanted.len());
-            prop_assert_eq!(
-                &wanted[range.clone()],
-                &found[range.clone()],
-                "{:?} bytes {:?}",
-                buffer,
-                range
-            );
-        }
-    }
-    if !reads.fetched.is_empty() {
-        walked.device.track_reads();
-        walked.draw();
-        let sorted = |stage: &Stage| {
-            let mut fetched = stage.device.reads().expect("tracked").fetched.clone();
-            fetched.sort();
-            fetched
-        };
-        prop_assert_eq!(sorted(fresh), sorted(walked));
-    }
-    Ok(())
-}
-
-fn bytes(stage: &Stage, buffer: BufferId) -> Vec<u8> {
-    stage
-        .device
-        .inspect_buffer(buffer)
-        .expect("both devices made the same buffers")
-        .to_vec()
-}
-
-/// Law 2, images: the same leaves give the same picture, bit for bit, in all models and modes, and
-/// bytes that no draw reads do not matter.
-///
-/// Caught: a resident with the right bytes whose draw stops short of the last ones.
-fn check_image(
-    walked: &mut Stage,
-    fresh: &mut Stage,
-    reference: &mut Stage,
-) -> Result<(), TestCaseError> {
-    fresh.device.track_reads();
-    let wanted = reference.draw();
-    prop_assert_eq!(
-        &fresh.draw(),
-        &wanted,
-        "a fresh upload draws what the reference draws"
-    );
-    let reads = fresh.device.reads().expect("just tracked");
-    for buffer in reads.buffers() {
-        let size = bytes(walked, buffer).len() as u64;
-        let mut from = 0;
-        for range in reads.ranges(buffer).into_iter().chain([size..size]) {
-            let gap = from..range.start.min(size);
-            if gap.start < gap.end && reads.fetched.is_empty() {
-                walked
-                    .device
-                    .poison(buffer, gap, 0xa5)
-                    .expect("within the buffer");
-            }
-            from = range.end;
-        }
-    }
-    prop_assert_eq!(&walked.draw(), &wanted, "poisoned bytes are seen");
-    Ok(())
-}
-
-/// Law 3, conservation: the recorded writes, replayed into zeroed arrays, give what the device
-/// holds, and their lengths add up to the ledger.
-///
-/// Caught: a byte that was changed behind the bus's back.
-fn check_conservation(stage: &mut Stage, payload: u64) -> Result<(), TestCaseError> {
-    let recording = stage
-        .device
-        .recording()
-        .expect("recorded from the start")
-        .clone();
-    let mut memory: BTreeMap<BufferId, Vec<u8>> = BTreeMap::new();
-    let mut sum = 0;
-    for entry in &recording.entries {
-        let RecordingEntry::Write {
-            resource,
-            offset,
-            bytes,
-        } = entry
-        else {
-            continue;
-        };
-        sum += bytes.len() as u64;
-        if let ResourceId::Buffer(buffer) = resource {
-            let size = stage
-                .device
-                .inspect_buffer(*buffer)
-                .expect("it was written")
-                .len();
-            let array = memory.entry(*buffer).or_insert_with(|| vec![0; size]);
-            array[*offset as usize..][..bytes.len()].copy_from_slice(bytes);
-        }
-    }
-    prop_assert_eq!(sum, payload, "lengths add up to the ledger");
-    for (buffer, replayed) in &memory {
-        let held = stage
-            .device
-            .inspect_buffer(*buffer)
-            .expect("it was written");
-        prop_assert_eq!(&replayed[..], held, "{:?}", buffer);
-    }
-    Ok(())
-}
-
-/// Law 4, partition: the visible leaves are one cut of each tree, each original under exactly one
-/// of them.
-///
-/// Caught: the papers' static list.
-fn check_partition(crown: &Crown, drawn: &[u32], state: &State) -> Result<(), TestCaseError> {
-    let sequence = crown.sequence();
-    let originals = sequence.original_count();
-    let mut covered = vec![0_u32; originals as usize];
-    for &leaf in drawn {
-        let mut below = vec![leaf];
-        while let Some(leaf) = below.pop() {
-            match leaf.checked_sub(originals) {
-                None => covered[leaf as usize] += 1,
-                Some(op) => below.extend(sequence.collapses()[op as usize].old),
-            }
-        }
-    }
-    prop_assert_eq!(covered, vec![1; originals as usize], "in {:?}", state);
-    prop_assert_eq!(drawn.len() as u32, state.leaf_count(crown.clusters()));
-    if let State::Uniform { collapses } = state {
-        let mut drawn = drawn.to_vec();
-        drawn.sort_unstable();
-        prop_assert_eq!(drawn, sequence.visible_after(*collapses));
-    }
-    Ok(())
-}
-
 /// One walk: all laws at every step, images at the end and at one step between.
 fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<(), TestCaseError> {
     let options = options(seed);
     let start = random_state(crown, seed);
     let mut walked = Stage::at(kind, options, crown, &start, 8);
     let model = kind.model(crown, options);
-    let looked_at = [choices.len() - 1, (seed as usize >> 8) % choices.len()];
+    let looked_at = [
+        choices.len() - 1,
+        index_usize((seed >> 8) % choices.len() as u64),
+    ];
     for (step, &choice) in choices.iter().enumerate() {
         let state = random_state(crown, choice);
         walked.commit(&state);
@@ -208,7 +62,7 @@ fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<()
                 .iter()
                 .for_each(|&c| walked.commit(&random_state(crown, c)));
             let payload = walked.device.take_ledger().upload.payload_bytes;
-            check_conservation(&mut walked, payload)?;
+            check_conservation(&walked.device, payload)?;
             let mut fresh = Stage::at(kind, options, crown, &state, SIDE);
             let mut reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, shown, SIDE);
             check_image(&mut walked, &mut fresh, &mut reference)?;
@@ -356,8 +210,8 @@ mod seeded {
         let mut stage = Stage::at(Kind::LodfSlots, OPTIONS, &crown, &State::FINEST, SIDE);
         stage.commit(&HALF);
         let payload = stage.device.take_ledger().upload.payload_bytes;
-        assert!(check_conservation(&mut stage, payload).is_ok());
-        assert!(check_conservation(&mut stage, payload + 1).is_err());
+        assert!(check_conservation(&stage.device, payload).is_ok());
+        assert!(check_conservation(&stage.device, payload + 1).is_err());
         let named = |label: &str| {
             let found = stage.device.buffers().find(|(_, name)| *name == label);
             found.expect("slots keep records").0
@@ -368,7 +222,7 @@ mod seeded {
             .device
             .poison(records, 3..4, byte)
             .expect("within the buffer");
-        assert!(check_conservation(&mut stage, payload).is_err());
+        assert!(check_conservation(&stage.device, payload).is_err());
     }
 
     #[test]
