@@ -1,5 +1,7 @@
 //! Tests of the library through its public face.
 
+mod bus_bytes;
+mod closed_form;
 mod gltf;
 mod gpu;
 mod laws;

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use spinney::gpu::{
     Card, Command, Device, DeviceDescriptor, Link, Load, RenderPass, TargetDescriptor, TargetId,
 };
-use spinney::math::{Mat4, Stream, Vec3, Vec4};
+use spinney::math::{Mat4, Stream, Vec3, Vec4, index_u32, index_usize};
 use spinney::models::{
-    Crown, Environment, Extraction, Gather, Kind, ModelOptions, Placement, Resident, State, View,
+    Crown, Environment, Extraction, Gather, Kind, Model, ModelOptions, Placement, Resident, State,
+    View,
 };
 use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype, Texture};
 use spinney::raster::{Counters, Image, Options, Samples, TileSize};
@@ -73,12 +74,12 @@ pub(crate) fn random_sequence(seed: u64, leaves: u32, split: u32, roots: u32) ->
         if list.len() < 2 {
             break;
         }
-        let mut take = || list.swap_remove(draws.below(list.len() as u64) as usize);
+        let mut take = || list.swap_remove(index_usize(draws.below(list.len() as u64)));
         let old = [take(), take()];
         let choice = 1 + draws.below(14);
         let pair = old.map(|leaf| corners[leaf as usize]);
         let new = [0, 1, 2, 3].map(|role| pair[(choice >> role & 1) as usize][role]);
-        list.push(corners.len() as u32);
+        list.push(index_u32(corners.len()));
         corners.push(new);
         collapses.push(Collapse { old, cost: 0.0 });
     }
@@ -100,12 +101,12 @@ pub(crate) fn random_state(crown: &Crown, choice: u64) -> State {
     if draws.below(2) == 0 {
         let all = u64::from(crown.sequence().collapse_count());
         State::Uniform {
-            collapses: draws.below(all + 1) as u32,
+            collapses: index_u32(index_usize(draws.below(all + 1))),
         }
     } else {
         let counts = crown.clusters().clusters.iter();
         let counts = counts
-            .map(|c| draws.below(u64::from(c.original_count())) as u32)
+            .map(|c| index_u32(index_usize(draws.below(u64::from(c.original_count())))))
             .collect();
         State::Variable { counts }
     }
@@ -144,7 +145,22 @@ impl Stage {
         state: &State,
         side: u32,
     ) -> Self {
-        let mut device = Device::new(descriptor());
+        Self::on(
+            descriptor(),
+            kind.model(crown, options).as_ref(),
+            state,
+            side,
+        )
+    }
+
+    /// As [`at`](Self::at), on a device of choice.
+    pub(crate) fn on(
+        descriptor: DeviceDescriptor,
+        model: &dyn Model,
+        state: &State,
+        side: u32,
+    ) -> Self {
+        let mut device = Device::new(descriptor);
         device.record();
         let environment = Environment::new(&mut device, 1).expect("memory suffices");
         let view = View {
@@ -160,7 +176,6 @@ impl Stage {
         environment
             .place(&mut device.queue(), 0, &Placement::IDENTITY)
             .expect("room for one");
-        let model = kind.model(crown, options);
         let shared = model
             .upload(&mut device, &environment)
             .expect("memory suffices");
