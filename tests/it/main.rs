@@ -2,6 +2,7 @@
 
 mod bus_bytes;
 mod closed_form;
+mod determinism;
 mod gltf;
 mod gpu;
 mod laws;
@@ -13,3 +14,4 @@ mod report;
 mod scene;
 mod simplify_props;
 mod support;
+mod walks;

@@ -1,7 +1,9 @@
 //! Small random crowns, devices and walks for the contracts.
 
-use std::sync::Arc;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
+use spinney::document::Document;
 use spinney::gpu::{
     Card, Command, Device, DeviceDescriptor, Link, Load, RenderPass, TargetDescriptor, TargetId,
 };
@@ -12,6 +14,8 @@ use spinney::models::{
 };
 use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype, Texture};
 use spinney::raster::{Counters, Image, Options, Samples, TileSize};
+use spinney::run::{Silent, World};
+use spinney::scene::{Scene, SceneFile};
 use spinney::simplify::{Collapse, CollapseSequence};
 
 /// A crown of `leaves` random quads in two groups with a random history of collapses that leaves
@@ -221,4 +225,54 @@ impl Stage {
             .expect("a sound pass");
         self.device.present(self.target).expect("the target exists")
     }
+}
+
+/// Two grey birches and a camera that walks away from them, resting at frame 5.
+const BIRCHES: &str = r#"schema = "spinney.scene/1"
+size = [160, 120]
+frames = 7
+seed = 1
+
+[[tree]]
+species = "species/betula_populifolia.toml"
+
+[[tree]]
+species = "species/betula_populifolia.toml"
+at = [2.5, 0.0, -1.5]
+turn = 70.0
+scale = 0.8
+
+[camera]
+path = [
+    { frame = 0, eye = [0.5, 3.5, 9.0], target = [0.8, 3.6, 0.0] },
+    { frame = 4, eye = [5.0, 5.0, 24.0], target = [0.8, 3.6, 0.0] },
+    { frame = 5, eye = [5.0, 5.0, 24.0], target = [0.8, 3.6, 0.0] },
+    { frame = 6, eye = [6.0, 5.0, 28.0], target = [0.8, 3.6, 0.0] },
+]
+
+[model]
+detail = "variable"
+d_min = 7.0
+d_max = 32.0
+"#;
+
+/// The scene of two birches.
+pub(crate) fn birch_scene() -> Scene {
+    let document = Document {
+        file: "birches.toml".to_owned(),
+        text: BIRCHES.to_owned(),
+    };
+    SceneFile::parse(document).expect("a sound scene").scene
+}
+
+/// Its plants, grown and simplified anew.
+pub(crate) fn grow_birches() -> World {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    World::build(&birch_scene(), &folder, &Silent).expect("a species of our own")
+}
+
+/// Its plants, grown and simplified once.
+pub(crate) fn birches() -> &'static World {
+    static WORLD: OnceLock<World> = OnceLock::new();
+    WORLD.get_or_init(grow_birches)
 }
