@@ -243,7 +243,7 @@ impl<'w> Session<'w> {
     }
 
     /// Goes over to the detail of a frame; what it costs is counted with the next frame drawn, or
-    /// dropped by [`forget`](Self::forget).
+    /// dropped by [`skip`](Self::skip).
     ///
     /// # Errors
     ///
