@@ -10,7 +10,7 @@ use crate::models::{Crown, Placement};
 use crate::plant::gltf::{ImportOptions, import};
 use crate::plant::{Plant, Species, grow};
 use crate::scene::{PlantSource, Scene, Tree};
-use crate::simplify::{LeafCollapseOptions, collapse_leaves};
+use crate::simplify::{CollapseSequence, LeafCollapseOptions, collapse_leaves};
 
 /// The plants of a scene and where they stand.
 #[derive(Debug, Clone)]
@@ -132,8 +132,19 @@ pub fn crown(plant: Plant, stop_leaves: Option<u32>) -> Crown {
     let leaves = plant.foliage().quad_count();
     let usual = (135 * leaves).div_ceil(10_000);
     let stop_leaves = stop_leaves.unwrap_or(index_u32(usual));
-    let sequence = collapse_leaves(plant.foliage(), &LeafCollapseOptions::to(stop_leaves));
+    let sequence = if index_u32(leaves) <= stop_leaves {
+        untouched(index_u32(leaves))
+    } else {
+        collapse_leaves(plant.foliage(), &LeafCollapseOptions::to(stop_leaves))
+    };
     Crown::new(Arc::new(plant), sequence)
+}
+
+/// No collapse at all: with nothing to look for, no leaf's neighbours need be known.
+fn untouched(leaves: u32) -> CollapseSequence {
+    let corners = (0..leaves).map(|leaf| [0, 1, 2, 3].map(|role| 4 * leaf + role));
+    CollapseSequence::new(leaves, corners.collect(), Vec::new())
+        .expect("a record a leaf is all that a sequence without collapses needs")
 }
 
 /// A path of a scene, relative to its folder.
