@@ -6,6 +6,7 @@ mod determinism;
 mod gltf;
 mod gpu;
 mod laws;
+mod house;
 mod layering;
 mod mass;
 mod model_contracts;
