@@ -15,7 +15,7 @@ use spinney::run::{Session, SessionOptions, StandingTree, World, crown};
 use spinney::scene::SceneFile;
 
 /// Pixels of one picture's side.
-const SIDE: u32 = 420;
+const SIDE: u32 = 240;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);

@@ -8,7 +8,7 @@ use super::prepare::Prepared;
 use super::terminal::Terminal;
 use crate::raster::Counters;
 use crate::report::{RunFolder, RunHeader, frame_layers, run_notes, run_table};
-use crate::run::{Progress as _, RunError, Session};
+use crate::run::{Progress as _, Session};
 use crate::scene::to_toml;
 
 /// Rows of frames in the closing table.
@@ -51,7 +51,7 @@ pub(super) fn run(
     progress.begin("frames", u64::from(last));
     for number in 0..last {
         if wanted(drawing, number) {
-            let frame = session.frame(number).map_err(RunError::from)?;
+            let frame = session.frame(number)?;
             folder.add(&frame)?;
             if options.layers {
                 let (kind, model) = (prepared.options.kind, prepared.options.model);

@@ -1,12 +1,13 @@
 //! Tests of the library through its public face.
 
 mod bus_bytes;
+mod cli;
 mod closed_form;
 mod determinism;
 mod gltf;
 mod gpu;
-mod laws;
 mod house;
+mod laws;
 mod layering;
 mod mass;
 mod model_contracts;
