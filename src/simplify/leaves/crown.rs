@@ -3,6 +3,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use rayon::prelude::*;
+
 use super::super::Collapse;
 use super::super::measure::quad_area;
 use super::LeafCollapseOptions;
@@ -77,8 +79,12 @@ impl Crown {
             group_of,
             grids,
         };
-        for leaf in 0..index_u32(leaves.len()) {
-            crown.offer(leaf);
+        let found: Vec<_> = (0..index_u32(leaves.len()))
+            .into_par_iter()
+            .map(|leaf| crown.best_partner(leaf))
+            .collect();
+        for (leaf, found) in (0..).zip(found) {
+            crown.offer(leaf, found);
         }
         crown
     }
@@ -98,7 +104,7 @@ impl Crown {
             if offer.pair.iter().all(|&leaf| self.left[leaf as usize]) {
                 return Some(self.collapse(offer.pair));
             }
-            self.offer(offer.owner);
+            self.offer(offer.owner, self.best_partner(offer.owner));
         }
     }
 
@@ -121,13 +127,13 @@ impl Crown {
         self.left.push(true);
         let site = self.site(leaf);
         self.grids[group as usize].insert(site);
-        self.offer(leaf);
+        self.offer(leaf, self.best_partner(leaf));
         Collapse { old, cost }
     }
 
-    /// Queues the best pair that `leaf` can be part of now, if there is any.
-    fn offer(&mut self, leaf: u32) {
-        if let Some((cost, partner)) = self.best_partner(leaf) {
+    /// Queues the best pair of `leaf`, if there is any.
+    fn offer(&mut self, leaf: u32, found: Option<(u32, u32)>) {
+        if let Some((cost, partner)) = found {
             self.offers.push(Reverse(Offer {
                 cost,
                 pair: [leaf.min(partner), leaf.max(partner)],
