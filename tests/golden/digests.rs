@@ -12,16 +12,14 @@ use std::sync::Arc;
 use spinney::math::{Digest, Digester};
 use spinney::models::{Crown, Extraction, Gather, Kind, ModelOptions};
 use spinney::plant::{Species, grow};
-use spinney::run::crown;
 
 use crate::scenes::{GoldenScene, names, path};
 use crate::table::table;
 
-/// Species whose collapses are kept: those where they take a fifth of a second at most.
-const COLLAPSED: [&str; 3] = [
-    "betula_populifolia",
-    "pistacia_lentiscus",
-    "spartium_junceum",
+/// Species whose collapses are kept, and a scene that has them.
+const COLLAPSED: [[&str; 2]; 2] = [
+    ["betula_populifolia", "lodf/stamps"],
+    [MODELLED, "lodf/stamps_variable"],
 ];
 
 /// The species whose models are kept.
@@ -34,12 +32,13 @@ pub(crate) fn digests(tell: &mut dyn FnMut(&str, &[Digest])) {
         let species = Species::read(&file).unwrap_or_else(|error| panic!("{error}"));
         let plant = grow(&species, 1).unwrap_or_else(|error| panic!("{name}: {error}"));
         tell(&format!("plant/{name}"), &[plant.digest()]);
-        if COLLAPSED.contains(&name.as_str()) {
-            let crown = Arc::new(crown(plant, species.stop_leaves));
-            tell(&format!("collapses/{name}"), &[crown.sequence().digest()]);
-            if name == MODELLED {
-                models(&name, &crown, tell);
-            }
+    }
+    for [name, scene] in COLLAPSED {
+        let world = GoldenScene::read(scene).world();
+        let crown = &world.crowns[0];
+        tell(&format!("collapses/{name}"), &[crown.sequence().digest()]);
+        if name == MODELLED {
+            models(name, crown, tell);
         }
     }
     let scenes = names().into_iter().map(|name| GoldenScene::read(&name));

@@ -88,6 +88,11 @@ impl GoldenScene {
         self.scene.golden.as_ref()
     }
 
+    /// What it shows.
+    pub(crate) fn world(&self) -> Arc<World> {
+        world(&self.scene, &self.folder)
+    }
+
     /// The size and the numbers of the frames that are kept.
     fn kept(&self) -> (ImageSize, Vec<u32>) {
         match &self.scene.golden {
@@ -99,7 +104,7 @@ impl GoldenScene {
     /// Draws the frames that are kept; the others are committed, since a ledger counts what changed
     /// since the frame before.
     pub(crate) fn draw(&self) -> Vec<Drawn> {
-        let world = world(&self.scene, &self.folder);
+        let world = self.world();
         let raster = Options {
             tile: TileSize::Side64,
             counters: Counters::Exact,
