@@ -265,6 +265,7 @@ impl LeafFragment<'_> {
         }
     }
 
+    #[inline]
     fn surface(&self, pixel: &Pixel<'_>) -> &Surface<'_> {
         // Constant over the leaf, so the bits arrive as the vertex stage wrote them.
         &self.surfaces[pixel.flats[2].to_bits() as usize]
@@ -276,6 +277,7 @@ impl Fragment for LeafFragment<'_> {
     const FLATS: usize = 3;
     const TESTS_ALPHA: bool = true;
 
+    #[inline]
     fn keeps(&self, pixel: &Pixel<'_>) -> bool {
         let surface = self.surface(pixel);
         let alpha = surface.texture.map_or(1.0, |texture| {

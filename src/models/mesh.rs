@@ -197,6 +197,10 @@ impl Fragment for MeshFragment<'_> {
         texture.alpha(coordinate, level, Wrap::Repeat) >= self.alpha_cutoff
     }
 
+    fn keeps_all(&self) -> bool {
+        self.texture.filter(|_| self.alpha_cutoff > 0.0).is_none()
+    }
+
     fn texels_tested(&self) -> u64 {
         if self.alpha_cutoff > 0.0 {
             self.texels_shaded()

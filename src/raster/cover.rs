@@ -1,8 +1,17 @@
 //! Which samples a triangle covers and which of them it wins: the visibility buffer.
+//!
+//! A patch of 8 × 8 pixels at a time: what lies behind all that is there is skipped, the others'
+//! depths are compared in lanes. Pixels that may win become candidates, and the alpha of a
+//! triangle's candidates is tested together.
 
-use super::pixels::visit_pixels;
-use super::plane::{Attributes, Edges, depth_at};
+use std::ops::Range;
+
+use super::hidden::patch_number;
+use super::pixels::{Along, Gains, Spans, gains, visit_spans};
+use super::plane::{Attributes, Edges, LANES, depth_at};
+use super::setup::Triangle;
 use super::tile::Tile;
+use super::view::PixelBox;
 use super::{Counters, Fragment};
 use crate::math::index_u32;
 
@@ -12,67 +21,211 @@ pub(super) fn cover<F: Fragment, const SAMPLES: usize>(
     tile: &mut Tile<'_>,
     entries: &[u32],
 ) {
+    let mut candidates = tile.scratch.candidates.take().unwrap_or_default();
+    let exact = tile.scene.counters == Counters::Exact;
+    let tests_alpha = F::TESTS_ALPHA && (exact || !kernel.keeps_all());
     for &entry in entries {
-        cover_triangle::<F, SAMPLES>(kernel, tile, entry as usize);
+        let entry = entry as usize;
+        let triangle = tile.triangle(entry).0;
+        let Some(pixels) = tile.pixels_of(triangle) else {
+            continue;
+        };
+        let mut contest = Contest::<F, SAMPLES> {
+            kernel,
+            edges: Edges::of(triangle),
+            triangle,
+            entry,
+            exact,
+            tests_alpha,
+            tile,
+            candidates: &mut candidates,
+            attributes: None,
+        };
+        contest.fight(pixels);
+    }
+    tile.scratch.candidates = Some(candidates);
+}
+
+/// The most candidates that are tested together.
+const MOST: usize = 64;
+
+/// Pixels of one triangle that it may win, their alpha not yet tested.
+#[derive(Debug)]
+pub(super) struct Candidates {
+    count: usize,
+    /// Their places in the block.
+    index: [u32; MOST],
+    /// The second and third edge functions at their centres.
+    centre: [[f32; MOST]; 2],
+    /// Which samples are covered, and which of these are won if alpha is there.
+    covered: [u32; MOST],
+    winning: [u32; MOST],
+    depths: [[u32; 4]; MOST],
+}
+
+impl Default for Candidates {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            index: [0; MOST],
+            centre: [[0.0; MOST]; 2],
+            covered: [0; MOST],
+            winning: [0; MOST],
+            depths: [[0; 4]; MOST],
+        }
     }
 }
 
-#[inline]
-fn cover_triangle<F: Fragment, const SAMPLES: usize>(
-    kernel: &F,
-    tile: &mut Tile<'_>,
+impl Candidates {
+    #[inline]
+    fn push<const SAMPLES: usize>(
+        &mut self,
+        index: usize,
+        centre: [f32; 2],
+        [covered, winning]: [u32; 2],
+        depths: [u32; SAMPLES],
+    ) {
+        let last = self.count % MOST;
+        self.count = last + 1;
+        self.index[last] = index_u32(index);
+        self.centre[0][last] = centre[0];
+        self.centre[1][last] = centre[1];
+        self.covered[last] = covered;
+        self.winning[last] = winning;
+        self.depths[last][..SAMPLES].copy_from_slice(&depths);
+    }
+}
+
+/// A triangle against what is there.
+struct Contest<'c, 't, 'a, F, const SAMPLES: usize> {
+    kernel: &'c F,
+    edges: Edges,
+    triangle: &'a Triangle,
     entry: usize,
-) {
-    let (triangle, chunk, batch) = tile.triangle(entry);
-    let number = triangle.batch;
-    let Some(pixels) = tile.pixels_of(triangle) else {
-        return;
-    };
-    let exact = tile.scene.counters == Counters::Exact;
-    let edges = Edges::of(triangle);
-    let mut attributes = None;
-    visit_pixels::<SAMPLES>(tile.scene.samples, &edges, pixels, |covered| {
-        let first = tile.index(covered.x, covered.y) * SAMPLES;
+    exact: bool,
+    tests_alpha: bool,
+    tile: &'c mut Tile<'t>,
+    candidates: &'c mut Candidates,
+    attributes: Option<Attributes<'a>>,
+}
+
+impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPLES> {
+    #[inline]
+    fn fight(&mut self, pixels: PixelBox) {
+        if !self.exact && self.tile.hides(pixels, self.triangle.nearest) {
+            return;
+        }
+        let edges = self.edges;
+        let gains = gains::<SAMPLES>(self.tile.scene.samples, &edges);
+        visit_spans(&edges, &gains, pixels, |spans| self.row(&gains, spans));
+        self.decide();
+    }
+
+    #[inline]
+    fn row(&mut self, gains: &Gains<SAMPLES>, spans: &Spans<SAMPLES>) {
+        let [first, last] = spans.columns();
+        let mut along = Along::new(&self.edges, first, spans.y);
+        for x in first..=last {
+            let covered = spans.mask(x);
+            if SAMPLES == 1 || covered != 0 {
+                self.pixel(gains, &along, [x, spans.y], covered);
+            }
+            along.step();
+        }
+    }
+
+    #[inline]
+    fn pixel(&mut self, gains: &Gains<SAMPLES>, along: &Along, [x, y]: [i32; 2], covered: u32) {
+        let index = self.tile.index(x, y);
         let mut winning = 0_u32;
         let mut depths = [0_u32; SAMPLES];
-        for (sample, place) in depths.iter_mut().enumerate() {
-            if SAMPLES > 1 && covered.mask >> sample & 1 == 0 {
+        for sample in 0..SAMPLES {
+            if SAMPLES > 1 && covered >> sample & 1 == 0 {
                 continue;
             }
-            let depth = depth_at(triangle, covered.at(sample)).to_bits();
-            let there = tile.depth[first + sample];
-            let wins = depth < there || (depth == there && tile.wins_tie(entry, first + sample));
+            let place = index * SAMPLES + sample;
+            let depth = depth_at(self.triangle, along.sample(gains[sample])).to_bits();
+            let there = self.tile.depth[place];
+            let wins = depth < there || (depth == there && self.tile.wins_tie(self.entry, place));
             winning |= u32::from(wins) << sample;
-            *place = depth;
+            depths[sample] = depth;
         }
-        if exact {
-            tile.work(number).covered += u64::from(covered.mask.count_ones());
+        if self.exact {
+            let work = self.tile.work(self.triangle.batch);
+            work.covered += u64::from(covered.count_ones());
         } else if winning == 0 {
             return;
         }
-        if F::TESTS_ALPHA {
-            let attributes = attributes
-                .get_or_insert_with(|| Attributes::of::<F>(triangle, &edges, chunk, batch));
-            let centre = covered.centre();
-            let depth = depth_at(triangle, centre);
-            let keeps = attributes.pixel::<F, _>(centre, covered.position(), depth, |pixel| {
-                kernel.keeps(pixel)
-            });
-            if exact {
-                tile.work(number).texels += kernel.texels_tested();
+        if self.candidates.count == MOST {
+            self.decide();
+        }
+        self.candidates
+            .push(index, along.centre(), [covered, winning], depths);
+    }
+
+    /// Tests the alpha of the candidates; those that are there win.
+    fn decide(&mut self) {
+        let count = std::mem::take(&mut self.candidates.count);
+        let mut patches = 0;
+        if count == 0 {
+            return;
+        }
+        if !self.tests_alpha {
+            for place in 0..count {
+                self.win(place);
             }
-            if !keeps {
-                if exact {
-                    tile.work(number).alpha_killed += u64::from(covered.mask.count_ones());
+        } else {
+            for first in (0..count).step_by(LANES) {
+                self.test(first..count.min(first + LANES));
+            }
+        }
+        for index in &self.candidates.index[..count] {
+            patches |= 1 << patch_number(*index as usize);
+        }
+        let furthest = &mut self.tile.scratch.furthest;
+        furthest.renew::<SAMPLES>(patches, self.tile.depth);
+    }
+
+    /// Tests at most 8 candidates.
+    #[inline]
+    fn test(&mut self, places: Range<usize>) {
+        let (triangle, edges, tile) = (self.triangle, &self.edges, &mut *self.tile);
+        let attributes = self.attributes.get_or_insert_with(|| {
+            let (_, chunk, batch) = tile.triangle(self.entry);
+            Attributes::of::<F>(triangle, edges, chunk, batch)
+        });
+        let at = |axis: usize| {
+            let lanes = self.candidates.centre[axis][places.start..].first_chunk();
+            *lanes.expect("a whole number of times 8 candidates")
+        };
+        let centres = [at(0), at(1)];
+        let pixels = attributes.pixels::<F>(centres);
+        for (place, lane) in places.zip(0..LANES) {
+            let index = self.candidates.index[place] as usize;
+            let position = self.tile.pixel_at(index).map(i32::unsigned_abs);
+            let depth = depth_at(triangle, [centres[0][lane], centres[1][lane]]);
+            let keeps = pixels.hand_over(lane, position, depth, |pixel| self.kernel.keeps(pixel));
+            if self.exact {
+                let work = self.tile.work(triangle.batch);
+                work.texels += self.kernel.texels_tested();
+                if !keeps {
+                    work.alpha_killed += u64::from(self.candidates.covered[place].count_ones());
                 }
-                return;
+            }
+            if keeps {
+                self.win(place);
             }
         }
-        for (sample, &depth) in depths.iter().enumerate() {
-            if winning >> sample & 1 == 1 {
-                tile.depth[first + sample] = depth;
-                tile.scratch.owner[first + sample] = index_u32(entry) + 1;
+    }
+
+    #[inline]
+    fn win(&mut self, place: usize) {
+        let first = self.candidates.index[place] as usize * SAMPLES;
+        for sample in 0..SAMPLES {
+            if self.candidates.winning[place] >> sample & 1 == 1 {
+                self.tile.depth[first + sample] = self.candidates.depths[place][sample];
+                self.tile.scratch.owner[first + sample] = index_u32(self.entry) + 1;
             }
         }
-    });
+    }
 }

@@ -24,6 +24,11 @@ pub trait Fragment: Send + Sync + std::fmt::Debug {
     /// The alpha test: whether the pixel is there at all.
     fn keeps(&self, pixel: &Pixel<'_>) -> bool;
 
+    /// Whether [`keeps`](Self::keeps) answers `true` whatever the pixel, so that it need not be asked.
+    fn keeps_all(&self) -> bool {
+        !Self::TESTS_ALPHA
+    }
+
     /// Texels that one [`keeps`](Self::keeps) reads; counted under exact counters.
     fn texels_tested(&self) -> u64 {
         0

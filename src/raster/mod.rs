@@ -66,6 +66,7 @@ mod clip;
 mod colour;
 mod cover;
 mod frame;
+mod hidden;
 mod items;
 mod kernel;
 mod order;

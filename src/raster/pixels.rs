@@ -1,208 +1,263 @@
 //! Which pixels a triangle covers, by its edge functions.
 //!
-//! Small triangles, of which foliage is made, are decided 8 × 8 pixels at a time in 32-bit lanes and
-//! without a branch; others pixel by pixel in 64 bits. Both are exact, so both say the same.
+//! A triangle is convex, so a row of samples has one span of covered ones. Where it begins and ends
+//! is a quotient of integers for each edge; quotient and remainder are carried from row to row by
+//! additions. That costs nothing for the pixels beside the span, of which thin leaves that lie
+//! across have the more. Boxes of a few pixels are not worth the divisions.
 
 use super::Samples;
 use super::plane::{Edges, coordinates};
 use super::view::{PixelBox, SUBPIXELS};
 
-/// A pixel of which a triangle covers some sample.
-pub(super) struct Covered<'a, const SAMPLES: usize> {
-    pub(super) x: i32,
+/// The covered pixels of a row, for each sample: columns from the first to the last.
+#[derive(Debug)]
+pub(super) struct Spans<const SAMPLES: usize> {
     pub(super) y: i32,
+    spans: [[i32; 2]; SAMPLES],
+}
+
+impl<const SAMPLES: usize> Spans<SAMPLES> {
+    /// The columns of which some sample is covered lie within these; none when the last is less.
+    #[inline]
+    pub(super) fn columns(&self) -> [i32; 2] {
+        let [mut first, mut last] = self.spans[0];
+        for [begin, end] in &self.spans[1..] {
+            if begin <= end {
+                let empty = first > last;
+                first = if empty { *begin } else { first.min(*begin) };
+                last = if empty { *end } else { last.max(*end) };
+            }
+        }
+        [first, last]
+    }
+
     /// A bit a covered sample.
-    pub(super) mask: u32,
-    /// The second and third edge function at the pixel's centre.
-    centre: [i64; 2],
-    to_samples: &'a Gains<SAMPLES>,
+    #[inline]
+    pub(super) fn mask(&self, x: i32) -> u32 {
+        if SAMPLES == 1 {
+            return 1;
+        }
+        let mut mask = 0;
+        for (sample, [first, last]) in self.spans.iter().enumerate() {
+            mask |= u32::from((first..=last).contains(&&x)) << sample;
+        }
+        mask
+    }
 }
 
 /// What the edge functions gain from a pixel's centre to each sample.
-type Gains<const SAMPLES: usize> = [[i64; 3]; SAMPLES];
+pub(super) type Gains<const SAMPLES: usize> = [[i64; 3]; SAMPLES];
 
-impl<const SAMPLES: usize> Covered<'_, SAMPLES> {
-    /// The second and third edge functions at a sample.
-    #[inline]
-    pub(super) fn at(&self, sample: usize) -> [f32; 2] {
-        if SAMPLES == 1 {
-            return self.centre();
-        }
-        let [_, second, third] = self.to_samples[sample];
-        coordinates([self.centre[0] + second, self.centre[1] + third])
-    }
-
-    /// The second and third edge functions at the pixel's centre.
-    #[inline]
-    pub(super) fn centre(&self) -> [f32; 2] {
-        coordinates(self.centre)
-    }
-
-    /// Column and row.
-    #[inline]
-    pub(super) fn position(&self) -> [u32; 2] {
-        [self.x.unsigned_abs(), self.y.unsigned_abs()]
-    }
-}
-
-/// Visits those of some pixels of which the triangle covers some sample.
 #[inline]
-pub(super) fn visit_pixels<const SAMPLES: usize>(
-    samples: Samples,
-    edges: &Edges,
-    pixels: PixelBox,
-    each: impl FnMut(&Covered<'_, SAMPLES>),
-) {
-    let mut to_samples = [[0; 3]; SAMPLES];
+pub(super) fn gains<const SAMPLES: usize>(samples: Samples, edges: &Edges) -> Gains<SAMPLES> {
+    let mut gains = [[0; 3]; SAMPLES];
     if SAMPLES > 1 {
-        for (gain, offset) in to_samples.iter_mut().zip(samples.offsets()) {
+        for (gain, offset) in gains.iter_mut().zip(samples.offsets()) {
             let [dx, dy] = offset.map(|offset| i64::from(offset - SUBPIXELS / 2));
             for (k, gain) in gain.iter_mut().enumerate() {
                 *gain = edges.right[k] * dx + edges.down[k] * dy;
             }
         }
     }
-    if is_small(edges) {
-        visit_small(edges, pixels, &to_samples, each);
-    } else {
-        visit_large(edges, pixels, &to_samples, each);
-    }
+    gains
 }
 
-/// Whether all edges are shorter than 64 pixels along each axis. Then an edge function is below 2³⁰
-/// in the triangle's box and 8 pixels around it: the product of 2¹⁴ and 72 · 2⁸, twice.
-#[inline]
-fn is_small(edges: &Edges) -> bool {
-    let mut longest = 0;
-    for gain in edges.right.iter().chain(&edges.down) {
-        longest |= gain.unsigned_abs();
-    }
-    longest < 1 << 14
-}
+/// Boxes of no more pixels are decided pixel by pixel.
+const FEW: i32 = 8;
 
-/// Pixels a side of what is decided at once.
-const LANES: i32 = 8;
-
+/// Visits the spans of some pixels, row by row; tiny boxes give a span a pixel.
 #[inline]
-fn visit_small<const SAMPLES: usize>(
+pub(super) fn visit_spans<const SAMPLES: usize>(
     edges: &Edges,
+    gains: &Gains<SAMPLES>,
     pixels: PixelBox,
-    to_samples: &Gains<SAMPLES>,
-    mut each: impl FnMut(&Covered<'_, SAMPLES>),
+    mut each: impl FnMut(&Spans<SAMPLES>),
 ) {
-    let step = |gain: [i64; 3]| narrow(gain).map(|gain| gain * SUBPIXELS);
-    let (right, down) = (step(edges.right), step(edges.down));
-    let bias = narrow(edges.bias);
-    let mut lanes = Lanes::default();
-    for (lanes, right) in lanes.iter_mut().zip(right) {
-        for (lane, column) in lanes.iter_mut().zip(0..) {
-            *lane = column * right;
-        }
+    let size = [0, 1].map(|axis| pixels.last[axis] - pixels.first[axis] + 1);
+    if size[0] * size[1] <= FEW {
+        visit_each(edges, gains, pixels, each);
+        return;
     }
-    for top in (pixels.first[1]..=pixels.last[1]).step_by(LANES as usize) {
-        for left in (pixels.first[0]..=pixels.last[0]).step_by(LANES as usize) {
-            let corner = narrow(edges.at_pixel(left, top));
-            let rows = (pixels.last[1] - top + 1).min(LANES);
-            let columns = (pixels.last[0] - left + 1).min(LANES);
-            let mut masks = [0_u64; SAMPLES];
-            for (mask, gain) in masks.iter_mut().zip(to_samples) {
-                let gain = narrow(*gain);
-                let mut at = [0, 1, 2].map(|k| corner[k] + gain[k] + bias[k]);
-                for row in 0..rows {
-                    *mask |= (inside(at, &lanes) & (0xff >> (LANES - columns))) << (row * LANES);
-                    for (value, down) in at.iter_mut().zip(down) {
-                        *value += down;
-                    }
-                }
-            }
-            let mut rest = masks.iter().fold(0, |any, mask| any | mask);
-            while rest != 0 {
-                let bit = rest.trailing_zeros();
-                rest &= rest - 1;
-                let (column, row) = ((bit & 7).cast_signed(), (bit >> 3).cast_signed());
-                let mut mask = 0;
-                for (sample, covered) in masks.iter().enumerate() {
-                    mask |= u32::from(covered >> bit & 1 == 1) << sample;
-                }
-                let at = |k: usize| i64::from(corner[k] + column * right[k] + row * down[k]);
-                each(&Covered {
-                    x: left + column,
-                    y: top + row,
-                    mask,
-                    centre: [at(1), at(2)],
-                    to_samples,
-                });
-            }
-        }
-    }
-}
-
-/// What each edge function gains to each of 8 columns.
-type Lanes = [[i32; LANES as usize]; 3];
-
-/// A bit a column in which no edge function is negative.
-#[inline]
-fn inside(at: [i32; 3], lanes: &Lanes) -> u64 {
-    let mut columns = [0_u8; LANES as usize];
-    for (lane, column) in columns.iter_mut().enumerate() {
-        let signs = (at[0] + lanes[0][lane]) | (at[1] + lanes[1][lane]) | (at[2] + lanes[2][lane]);
-        *column = if signs >= 0 { 1 << lane } else { 0 };
-    }
-    // Every byte has a bit of its own, so that they are gathered by folding.
-    let folded = u64::from_le_bytes(columns);
-    let folded = folded | folded >> 32;
-    let folded = folded | folded >> 16;
-    (folded | folded >> 8) & 0xff
-}
-
-#[inline]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "only of small triangles, whose edge functions fit"
-)]
-fn narrow(values: [i64; 3]) -> [i32; 3] {
-    [values[0] as i32, values[1] as i32, values[2] as i32]
-}
-
-#[inline]
-fn visit_large<const SAMPLES: usize>(
-    edges: &Edges,
-    pixels: PixelBox,
-    to_samples: &Gains<SAMPLES>,
-    mut each: impl FnMut(&Covered<'_, SAMPLES>),
-) {
-    let step = |gain: [i64; 3]| gain.map(|gain| gain * i64::from(SUBPIXELS));
-    let ([r0, r1, r2], [d0, d1, d2]) = (step(edges.right), step(edges.down));
-    let [b0, b1, b2] = edges.bias;
-    let [mut row0, mut row1, mut row2] = edges.at_pixel(pixels.first[0], pixels.first[1]);
+    let mut walks = gains.map(|gain| Walk::new(edges, gain, pixels.first[1]));
     for y in pixels.first[1]..=pixels.last[1] {
-        let [mut e0, mut e1, mut e2] = [row0, row1, row2];
-        let mut entered = false;
-        for x in pixels.first[0]..=pixels.last[0] {
-            let mut mask = 0;
-            for (sample, gain) in to_samples.iter().enumerate() {
-                let inside = (e0 + gain[0] + b0) | (e1 + gain[1] + b1) | (e2 + gain[2] + b2);
-                mask |= u32::from(inside >= 0) << sample;
-            }
-            if mask != 0 {
-                entered = true;
-                each(&Covered {
-                    x,
-                    y,
-                    mask,
-                    centre: [e1, e2],
-                    to_samples,
-                });
-            } else if SAMPLES == 1 && entered {
-                // Triangles are convex: a row has one span.
-                break;
-            }
-            e0 += r0;
-            e1 += r1;
-            e2 += r2;
+        let mut spans = [[0; 2]; SAMPLES];
+        for (span, walk) in spans.iter_mut().zip(&mut walks) {
+            *span = walk.span([pixels.first[0], pixels.last[0]]);
+            walk.step();
         }
-        row0 += d0;
-        row1 += d1;
-        row2 += d2;
+        each(&Spans { y, spans });
+    }
+}
+
+#[inline]
+fn visit_each<const SAMPLES: usize>(
+    edges: &Edges,
+    gains: &Gains<SAMPLES>,
+    pixels: PixelBox,
+    mut each: impl FnMut(&Spans<SAMPLES>),
+) {
+    for y in pixels.first[1]..=pixels.last[1] {
+        for x in pixels.first[0]..=pixels.last[0] {
+            let at = edges.at_pixel(x, y);
+            let spans = gains.map(|gain| {
+                let value = |k: usize| at[k] + gain[k] + edges.bias[k];
+                let inside = value(0) | value(1) | value(2) >= 0;
+                if inside { [x, x] } else { NONE }
+            });
+            each(&Spans { y, spans });
+        }
+    }
+}
+
+/// No pixels.
+const NONE: [i32; 2] = [0, -1];
+
+/// Where the edges cut a row of samples.
+#[derive(Debug)]
+struct Walk {
+    /// An edge with the covered samples to its right, any edge, one with the samples to its left.
+    cuts: [Cut; 3],
+    /// Whether the second one has the samples to its right.
+    left: bool,
+}
+
+impl Walk {
+    #[inline]
+    fn new(edges: &Edges, gain: [i64; 3], y: i32) -> Self {
+        let at = edges.at_pixel(0, y);
+        // Steps to the right add up to 0, but are not all 0, since there is an area.
+        let rising = if edges.right[0] > 0 {
+            0
+        } else if edges.right[1] > 0 {
+            1
+        } else {
+            2
+        };
+        let (one, other) = ((rising + 1) % 3, (rising + 2) % 3);
+        let falls = edges.right[other] < 0;
+        let (any, falling) = if falls { (one, other) } else { (other, one) };
+        let cut = |k: usize| {
+            Cut::new(
+                at[k] + gain[k] + edges.bias[k],
+                edges.right[k],
+                edges.down[k],
+            )
+        };
+        Self {
+            cuts: [cut(rising), cut(any), cut(falling)],
+            left: edges.right[any] > 0,
+        }
+    }
+
+    /// The covered columns of some.
+    #[inline]
+    fn span(&self, [first, last]: [i32; 2]) -> [i32; 2] {
+        let [rising, any, falling] = self.cuts.each_ref().map(|cut| cut.quotient);
+        let first = i64::from(first).max(-rising);
+        let last = i64::from(last).min(falling);
+        let (first, last) = if self.left {
+            (first.max(-any), last)
+        } else {
+            (first, last.min(any))
+        };
+        if first <= last {
+            [first as i32, last as i32]
+        } else {
+            NONE
+        }
+    }
+
+    /// To the row below.
+    #[inline]
+    fn step(&mut self) {
+        for cut in &mut self.cuts {
+            cut.step();
+        }
+    }
+}
+
+/// `⌊e / |right|⌋` for an edge function with its bias at the first column of a row: the number of
+/// the last column within, or minus that of the first where `e` grows to the right.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    quotient: i64,
+    remainder: i64,
+    /// What a row adds to both.
+    step: [i64; 2],
+    divisor: i64,
+}
+
+impl Cut {
+    #[inline]
+    fn new(at: i64, right: i64, down: i64) -> Self {
+        let pixel = i64::from(SUBPIXELS);
+        let divisor = (right * pixel).abs();
+        if divisor == 0 {
+            // Along the row: all columns are within, or none. Any of them is less than 2¹⁴.
+            return Self {
+                quotient: (2 * at + 1) << 14,
+                remainder: 0,
+                step: [(2 * down * pixel) << 14, 0],
+                divisor: 1,
+            };
+        }
+        let divide = |value: i64| [value.div_euclid(divisor), value.rem_euclid(divisor)];
+        let [quotient, remainder] = divide(at);
+        Self {
+            quotient,
+            remainder,
+            step: divide(down * pixel),
+            divisor,
+        }
+    }
+
+    #[inline]
+    fn step(&mut self) {
+        let remainder = self.remainder + self.step[1] - self.divisor;
+        let carry = remainder >= 0;
+        self.quotient += self.step[0] + i64::from(carry);
+        self.remainder = if carry {
+            remainder
+        } else {
+            remainder + self.divisor
+        };
+    }
+}
+
+/// The second and third edge functions along a row of pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Along {
+    at: [i64; 2],
+    right: [i64; 2],
+}
+
+impl Along {
+    #[inline]
+    pub(super) fn new(edges: &Edges, x: i32, y: i32) -> Self {
+        let [_, second, third] = edges.at_pixel(x, y);
+        let pixel = i64::from(SUBPIXELS);
+        Self {
+            at: [second, third],
+            right: [edges.right[1] * pixel, edges.right[2] * pixel],
+        }
+    }
+
+    /// At the pixel's centre.
+    #[inline]
+    pub(super) fn centre(&self) -> [f32; 2] {
+        coordinates(self.at)
+    }
+
+    /// At a sample, to which the edge functions gain this.
+    #[inline]
+    pub(super) fn sample(&self, gain: [i64; 3]) -> [f32; 2] {
+        coordinates([self.at[0] + gain[1], self.at[1] + gain[2]])
+    }
+
+    /// To the next pixel.
+    #[inline]
+    pub(super) fn step(&mut self) {
+        self.at[0] += self.right[0];
+        self.at[1] += self.right[1];
     }
 }

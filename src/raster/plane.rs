@@ -191,4 +191,75 @@ impl<'a> Attributes<'a> {
             depth,
         })
     }
+
+    /// The 8 pixels whose centres have these second and third edge functions.
+    #[inline]
+    pub(super) fn pixels<F: Fragment>(&self, edges: [[f32; LANES]; 2]) -> Pixels<'a> {
+        let mut pixels = Pixels {
+            varyings: [[0.0; LANES]; MAX_VARYINGS],
+            derivatives: [[[0.0; LANES]; 2]; 2],
+            flats: self.flats,
+            front: self.front,
+        };
+        let mut w = [0.0; LANES];
+        for lane in 0..LANES {
+            w[lane] = 1.0 / self.inverse_w.at([edges[0][lane], edges[1][lane]]);
+        }
+        for (values, plane) in pixels.varyings[..F::VARYINGS]
+            .iter_mut()
+            .zip(&self.varyings)
+        {
+            for lane in 0..LANES {
+                values[lane] = plane.at([edges[0][lane], edges[1][lane]]) * w[lane];
+            }
+        }
+        for (derivatives, step) in pixels.derivatives.iter_mut().zip(self.steps) {
+            let change_of_inverse = self.inverse_w.change(step);
+            for (k, derivative) in derivatives.iter_mut().enumerate().take(F::VARYINGS) {
+                let change = self.varyings[k].change(step);
+                for lane in 0..LANES {
+                    let varying = pixels.varyings[k][lane];
+                    derivative[lane] = (change - varying * change_of_inverse) * w[lane];
+                }
+            }
+        }
+        pixels
+    }
+}
+
+/// Pixels whose attributes are computed together.
+pub(super) const LANES: usize = 8;
+
+/// What a fragment stage is told of 8 pixels, the same as of each alone.
+#[derive(Debug)]
+pub(super) struct Pixels<'a> {
+    varyings: [[f32; LANES]; MAX_VARYINGS],
+    /// To the right and downwards, of the first two varyings.
+    derivatives: [[[f32; LANES]; 2]; 2],
+    flats: &'a [f32],
+    front: bool,
+}
+
+impl Pixels<'_> {
+    /// Hands `use_pixel` one of the pixels.
+    #[inline]
+    pub(super) fn hand_over<R>(
+        &self,
+        lane: usize,
+        position: [u32; 2],
+        depth: f32,
+        use_pixel: impl FnOnce(&Pixel<'_>) -> R,
+    ) -> R {
+        let varyings = self.varyings.map(|values| values[lane]);
+        let derivative = |step: usize| Vec2::from(self.derivatives[step].map(|of| of[lane]));
+        use_pixel(&Pixel {
+            varyings: &varyings,
+            derivative_x: derivative(0),
+            derivative_y: derivative(1),
+            flats: self.flats,
+            front: self.front,
+            position,
+            depth,
+        })
+    }
 }

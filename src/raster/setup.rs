@@ -10,6 +10,10 @@ const PRIMITIVES_A_CHUNK: u32 = 512;
 /// The most triangles of a chunk, of which each primitive has two, each cut into some.
 pub(super) const TRIANGLES_A_CHUNK: usize = PRIMITIVES_A_CHUNK as usize * 2 * MAX_PARTS;
 
+/// More than rounding moves the depth of a covered sample: each of the two weights, which are at most 1
+/// in sum, is rounded six times and their sum twice, by at most 2⁻²⁴ each.
+const DEPTH_ERROR: f32 = 1.0 / 1_048_576.0;
+
 /// A triangle ready to be covered: corners in an order of positive area in y-down sub-pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangle {
@@ -19,6 +23,8 @@ pub(super) struct Triangle {
     pub(super) depth: f32,
     /// Depth gained a unit of the second and third edge function.
     pub(super) depth_slopes: [f32; 2],
+    /// No sample that is covered is nearer.
+    pub(super) nearest: f32,
     /// The vertex id of the primitive's first corner, as submitted.
     pub(super) vertex: u32,
     /// Where the corners' attributes are: in the geometry, or in the chunk's cut vertices.
@@ -313,6 +319,7 @@ impl Builder<'_> {
                 (depth[1] - depth[0]) * inverse_area,
                 (depth[2] - depth[0]) * inverse_area,
             ],
+            nearest: depth[0].min(depth[1]).min(depth[2]) - DEPTH_ERROR,
             vertex: source.vertex,
             corners,
             batch: source.batch,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::items::NOBODY;
-use super::pixels::visit_pixels;
+use super::pixels::{Along, gains, visit_spans};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
 use super::setup::key;
 use super::tile::Tile;
@@ -65,30 +65,32 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
         let (triangle, chunk, batch) = tile.triangle(entry);
         let number = triangle.batch;
         let edges = Edges::of(triangle);
+        let gains = gains::<SAMPLES>(tile.scene.samples, &edges);
         let mut attributes = None;
         let Some(pixels) = tile.pixels_of(triangle) else {
             continue;
         };
-        visit_pixels::<SAMPLES>(tile.scene.samples, &edges, pixels, |covered| {
-            let first = tile.index(covered.x, covered.y) * SAMPLES;
+        let mut blend_pixel = |along: &Along, [x, y]: [i32; 2], covered: u32| {
+            let first = tile.index(x, y) * SAMPLES;
             let mut nearer = 0_u32;
-            for sample in 0..SAMPLES {
-                let depth = depth_at(triangle, covered.at(sample)).to_bits();
+            for (sample, gain) in gains.iter().enumerate() {
+                let depth = depth_at(triangle, along.sample(*gain)).to_bits();
                 let passes = depth < tile.depth[first + sample];
                 nearer |= u32::from(passes) << sample;
             }
-            nearer &= covered.mask;
+            nearer &= covered;
             if exact {
-                tile.work(number).covered += u64::from(covered.mask.count_ones());
+                tile.work(number).covered += u64::from(covered.count_ones());
             } else if nearer == 0 {
                 return;
             }
             let attributes = attributes
                 .get_or_insert_with(|| Attributes::of::<F>(triangle, &edges, chunk, batch));
-            let centre = covered.centre();
+            let centre = along.centre();
+            let position = [x, y].map(i32::unsigned_abs);
             let depth = depth_at(triangle, centre);
             let mut killed = false;
-            let colour = attributes.pixel::<F, _>(centre, covered.position(), depth, |pixel| {
+            let colour = attributes.pixel::<F, _>(centre, position, depth, |pixel| {
                 killed = F::TESTS_ALPHA && !kernel.keeps(pixel);
                 (!killed && nearer != 0).then(|| kernel.shade(pixel))
             });
@@ -97,7 +99,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
                     tile.work(number).texels += kernel.texels_tested();
                 }
                 if killed {
-                    tile.work(number).alpha_killed += u64::from(covered.mask.count_ones());
+                    tile.work(number).alpha_killed += u64::from(covered.count_ones());
                 }
                 if colour.is_some() {
                     tile.work(number).texels += kernel.texels_shaded();
@@ -112,6 +114,17 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
                     let there = &mut tile.colour[first + sample];
                     *there = over(colour, *there);
                 }
+            }
+        };
+        visit_spans(&edges, &gains, pixels, |spans| {
+            let [first, last] = spans.columns();
+            let mut along = Along::new(&edges, first, spans.y);
+            for x in first..=last {
+                let covered = spans.mask(x);
+                if covered != 0 {
+                    blend_pixel(&along, [x, spans.y], covered);
+                }
+                along.step();
             }
         });
     }

@@ -196,7 +196,7 @@ struct Level {
 }
 
 impl Level {
-    #[inline]
+    #[inline(always)]
     fn square(&self, uv: Vec2, wrap: Wrap) -> Square {
         let (left, right, across) = neighbours(uv.x, self.width, wrap);
         let (above, below, down) = neighbours(uv.y, self.height, wrap);
@@ -224,40 +224,60 @@ struct Square {
 
 /// The two texels around a coordinate, and how far it is from the first to the second.
 #[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounds down, saturating where coordinates are absurd"
-)]
 fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
     let position = coordinate * size as f32 - 0.5;
+    match wrap {
+        Wrap::Clamp => clamped(position, size),
+        Wrap::Repeat => repeated(position, size),
+    }
+}
+
+/// Without a branch: leaves are read at their rims as often as not.
+#[inline(always)]
+#[expect(clippy::cast_possible_wrap, reason = "sizes are at most 2^14")]
+fn clamped(position: f32, size: u32) -> (u32, u32, f32) {
+    // Beyond a texel from the rim all is the rim. No number goes to the first texel.
+    let position = if position > -1.0 { position } else { -1.0 };
+    let furthest = size as f32;
+    let position = if position < furthest {
+        position
+    } else {
+        furthest
+    };
+    // Adding 1.5 · 2²³ leaves no bits for a fraction, and the integer in the last bits.
+    const ROUND: f32 = 12_582_912.0;
+    let sum = position + ROUND;
+    let above = sum - ROUND > position;
+    let floor = sum.to_bits().cast_signed() - ROUND.to_bits().cast_signed() - i32::from(above);
+    let rest = position - floor as f32;
+    let last = size as i32 - 1;
+    let first = floor.clamp(0, last).cast_unsigned();
+    let second = (floor + 1).clamp(0, last).cast_unsigned();
+    (first, second, rest)
+}
+
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "rounds down, saturating where coordinates are absurd; sizes are at most 2^14"
+)]
+fn repeated(position: f32, size: u32) -> (u32, u32, f32) {
     let cut = position as i32;
     let floor = cut.saturating_sub(i32::from(position < cut as f32));
     let rest = position - floor as f32;
     // No number and infinity end up at the first texel of the two.
     let rest = if rest > 0.0 && rest <= 1.0 { rest } else { 0.0 };
-    let (first, second) = (floor, floor.saturating_add(1));
-    (
-        wrapped(first, size, wrap),
-        wrapped(second, size, wrap),
-        rest,
-    )
-}
-
-#[inline(always)]
-#[expect(
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "sizes are at most 2^14, results lie in 0..size"
-)]
-fn wrapped(texel: i32, size: u32, wrap: Wrap) -> u32 {
     let size = size as i32;
-    let inside = match wrap {
-        // Without a branch: leaves are read at their rims as often as not.
-        Wrap::Clamp => texel.clamp(0, size - 1),
-        Wrap::Repeat if (0..size).contains(&texel) => texel,
-        Wrap::Repeat => texel.rem_euclid(size),
+    let wrapped = |texel: i32| {
+        let inside = if (0..size).contains(&texel) {
+            texel
+        } else {
+            texel.rem_euclid(size)
+        };
+        inside.cast_unsigned()
     };
-    inside as u32
+    (wrapped(floor), wrapped(floor.saturating_add(1)), rest)
 }
 
 fn size_of_level(width: u32, height: u32, level: u32) -> (u32, u32) {

@@ -4,7 +4,9 @@
 use std::ops::Range;
 
 use super::bin::TriangleId;
+use super::cover::Candidates;
 use super::frame::{BLOCK_SIDE, NOTHING};
+use super::hidden::{Furthest, PATCHES_A_ROW, SIDE, patch_number};
 use super::items::{Item, Items, NOBODY, each_owner};
 use super::order::Order;
 use super::setup::{Chunk, Triangle};
@@ -32,6 +34,10 @@ pub(super) struct Scratch {
     /// Whether this call has drawn the sample in a run before.
     pub(super) drawn: Vec<bool>,
     pub(super) items: Items,
+    /// How far each patch of the block is seen, while an opaque run is decided.
+    pub(super) furthest: Furthest,
+    /// Put back by whoever takes it.
+    pub(super) candidates: Option<Box<Candidates>>,
     order: Order,
     /// Batches of the opaque run with their entries.
     groups: Vec<(u32, Range<usize>)>,
@@ -75,6 +81,8 @@ impl Scratch {
             owner: vec![NOBODY; count],
             drawn: vec![false; count],
             items: Items::default(),
+            furthest: Furthest::new(),
+            candidates: None,
             order: Order::default(),
             groups: Vec::new(),
             works: Works::default(),
@@ -159,6 +167,7 @@ impl<'a> Tile<'a> {
     /// Decides opaque triangles, the nearer first: what is hidden is then found so before its alpha
     /// is tested. No picture depends on the order.
     fn cover_run(&mut self, entries: Range<usize>) {
+        self.look_how_far();
         let mut order = std::mem::take(&mut self.scratch.order);
         order.sort(entries, |entry| self.triangle(entry).0.depth);
         let (scene, ids) = (self.scene, self.ids);
@@ -169,6 +178,21 @@ impl<'a> Tile<'a> {
             kernel.cover(self, entries);
         }
         self.scratch.order = order;
+    }
+
+    fn look_how_far(&mut self) {
+        let [from, to] = [self.pixels.first, self.pixels.last];
+        let mut patches = 0_u64;
+        for y in (from[1]..=to[1]).step_by(SIDE) {
+            for x in (from[0]..=to[0]).step_by(SIDE) {
+                patches |= 1 << patch_number(self.index(x, y));
+            }
+        }
+        let furthest = &mut self.scratch.furthest;
+        match self.scene.samples {
+            Samples::One => furthest.renew::<1>(patches, self.depth),
+            Samples::Four => furthest.renew::<4>(patches, self.depth),
+        }
     }
 
     fn list_items(&mut self, entries: Range<usize>) {
@@ -242,6 +266,26 @@ impl<'a> Tile<'a> {
     pub(super) fn index(&self, x: i32, y: i32) -> usize {
         let [column, row] = [x - self.origin[0], y - self.origin[1]].map(i32::unsigned_abs);
         (row * BLOCK_SIDE + column) as usize
+    }
+
+    /// Whether all that is there in some pixels, and in what is left of their patches, is nearer.
+    #[inline]
+    pub(super) fn hides(&self, pixels: PixelBox, nearest: f32) -> bool {
+        // Below 0 the bits would not order as depths do.
+        let nearest = nearest.max(0.0).to_bits();
+        let [first, last] =
+            [pixels.first, pixels.last].map(|[x, y]| patch_number(self.index(x, y)));
+        let columns = last % PATCHES_A_ROW - first % PATCHES_A_ROW;
+        let mut row = first;
+        while row <= last {
+            for patch in row..=row + columns {
+                if nearest <= self.scratch.furthest.of(patch) {
+                    return false;
+                }
+            }
+            row += PATCHES_A_ROW;
+        }
+        true
     }
 
     /// The column and row of a pixel at a place in the block.
