@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::frame::BLOCK_SIDE;
 use super::hidden::patch_number;
 use super::pixels::{Along, Gains, Spans, gains, visit_spans};
 use super::plane::{Attributes, Edges, LANES, depth_at};
@@ -47,7 +48,7 @@ pub(super) fn cover<F: Fragment, const SAMPLES: usize>(
 }
 
 /// The most candidates that are tested together.
-const MOST: usize = 64;
+const MOST: usize = 2 * BLOCK_SIDE as usize;
 
 /// Pixels of one triangle that it may win, their alpha not yet tested.
 #[derive(Debug)]
@@ -61,6 +62,8 @@ pub(super) struct Candidates {
     covered: [u32; MOST],
     winning: [u32; MOST],
     depths: [[u32; 4]; MOST],
+    /// A bit a patch of the block in which something was won.
+    changed: u64,
 }
 
 impl Default for Candidates {
@@ -72,6 +75,7 @@ impl Default for Candidates {
             covered: [0; MOST],
             winning: [0; MOST],
             depths: [[0; 4]; MOST],
+            changed: 0,
         }
     }
 }
@@ -110,7 +114,7 @@ struct Contest<'c, 't, 'a, F, const SAMPLES: usize> {
 }
 
 impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPLES> {
-    #[inline]
+    #[inline(always)]
     fn fight(&mut self, pixels: PixelBox) {
         if !self.exact && self.tile.hides(pixels, self.triangle.nearest) {
             return;
@@ -121,52 +125,58 @@ impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPL
         self.decide();
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(&mut self, gains: &Gains<SAMPLES>, spans: &Spans<SAMPLES>) {
         let [first, last] = spans.columns();
-        let mut along = Along::new(&self.edges, first, spans.y);
-        for x in first..=last {
-            let covered = spans.mask(x);
-            if SAMPLES == 1 || covered != 0 {
-                self.pixel(gains, &along, [x, spans.y], covered);
-            }
-            along.step();
-        }
-    }
-
-    #[inline]
-    fn pixel(&mut self, gains: &Gains<SAMPLES>, along: &Along, [x, y]: [i32; 2], covered: u32) {
-        let index = self.tile.index(x, y);
-        let mut winning = 0_u32;
-        let mut depths = [0_u32; SAMPLES];
-        for sample in 0..SAMPLES {
-            if SAMPLES > 1 && covered >> sample & 1 == 0 {
-                continue;
-            }
-            let place = index * SAMPLES + sample;
-            let depth = depth_at(self.triangle, along.sample(gains[sample])).to_bits();
-            let there = self.tile.depth[place];
-            let wins = depth < there || (depth == there && self.tile.wins_tie(self.entry, place));
-            winning |= u32::from(wins) << sample;
-            depths[sample] = depth;
-        }
-        if self.exact {
-            let work = self.tile.work(self.triangle.batch);
-            work.covered += u64::from(covered.count_ones());
-        } else if winning == 0 {
+        if first > last {
             return;
         }
-        if self.candidates.count == MOST {
+        if self.candidates.count > MOST - BLOCK_SIDE as usize {
             self.decide();
         }
-        self.candidates
-            .push(index, along.centre(), [covered, winning], depths);
+        let triangle = self.triangle;
+        let start = self.tile.index(first, spans.y);
+        let end = self.tile.index(last, spans.y) + 1;
+        let there = &self.tile.depth[start * SAMPLES..end * SAMPLES];
+        let mut along = Along::new(&self.edges, first, spans.y);
+        let mut covered_samples = 0;
+        for ((there, index), x) in there
+            .as_chunks::<SAMPLES>()
+            .0
+            .iter()
+            .zip(start..)
+            .zip(first..)
+        {
+            let covered = spans.mask(x);
+            let mut winning = 0_u32;
+            let mut depths = [0_u32; SAMPLES];
+            for sample in 0..SAMPLES {
+                if SAMPLES > 1 && covered >> sample & 1 == 0 {
+                    continue;
+                }
+                let depth = depth_at(triangle, along.sample(gains[sample])).to_bits();
+                let wins = depth < there[sample]
+                    || (depth == there[sample]
+                        && self.tile.wins_tie(self.entry, index * SAMPLES + sample));
+                winning |= u32::from(wins) << sample;
+                depths[sample] = depth;
+            }
+            if winning != 0 || (self.exact && covered != 0) {
+                let marks = [covered, winning];
+                self.candidates.push(index, along.centre(), marks, depths);
+            }
+            covered_samples += covered.count_ones();
+            along.step();
+        }
+        if self.exact {
+            self.tile.work(triangle.batch).covered += u64::from(covered_samples);
+        }
     }
 
     /// Tests the alpha of the candidates; those that are there win.
+    #[inline(never)]
     fn decide(&mut self) {
         let count = std::mem::take(&mut self.candidates.count);
-        let mut patches = 0;
         if count == 0 {
             return;
         }
@@ -179,9 +189,7 @@ impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPL
                 self.test(first..count.min(first + LANES));
             }
         }
-        for index in &self.candidates.index[..count] {
-            patches |= 1 << patch_number(*index as usize);
-        }
+        let patches = std::mem::take(&mut self.candidates.changed);
         let furthest = &mut self.tile.scratch.furthest;
         furthest.renew::<SAMPLES>(patches, self.tile.depth);
     }
@@ -220,7 +228,9 @@ impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPL
 
     #[inline]
     fn win(&mut self, place: usize) {
-        let first = self.candidates.index[place] as usize * SAMPLES;
+        let index = self.candidates.index[place] as usize;
+        let first = index * SAMPLES;
+        self.candidates.changed |= 1 << patch_number(index);
         for sample in 0..SAMPLES {
             if self.candidates.winning[place] >> sample & 1 == 1 {
                 self.tile.depth[first + sample] = self.candidates.depths[place][sample];

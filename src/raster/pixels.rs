@@ -18,7 +18,7 @@ pub(super) struct Spans<const SAMPLES: usize> {
 
 impl<const SAMPLES: usize> Spans<SAMPLES> {
     /// The columns of which some sample is covered lie within these; none when the last is less.
-    #[inline]
+    #[inline(always)]
     pub(super) fn columns(&self) -> [i32; 2] {
         let [mut first, mut last] = self.spans[0];
         for [begin, end] in &self.spans[1..] {
@@ -66,7 +66,7 @@ pub(super) fn gains<const SAMPLES: usize>(samples: Samples, edges: &Edges) -> Ga
 const FEW: i32 = 8;
 
 /// Visits the spans of some pixels, row by row; tiny boxes give a span a pixel.
-#[inline]
+#[inline(always)]
 pub(super) fn visit_spans<const SAMPLES: usize>(
     edges: &Edges,
     gains: &Gains<SAMPLES>,
@@ -89,7 +89,7 @@ pub(super) fn visit_spans<const SAMPLES: usize>(
     }
 }
 
-#[inline]
+#[inline(always)]
 fn visit_each<const SAMPLES: usize>(
     edges: &Edges,
     gains: &Gains<SAMPLES>,
@@ -122,7 +122,7 @@ struct Walk {
 }
 
 impl Walk {
-    #[inline]
+    #[inline(always)]
     fn new(edges: &Edges, gain: [i64; 3], y: i32) -> Self {
         let at = edges.at_pixel(0, y);
         // Steps to the right add up to 0, but are not all 0, since there is an area.
@@ -150,7 +150,7 @@ impl Walk {
     }
 
     /// The covered columns of some.
-    #[inline]
+    #[inline(always)]
     fn span(&self, [first, last]: [i32; 2]) -> [i32; 2] {
         let [rising, any, falling] = self.cuts.each_ref().map(|cut| cut.quotient);
         let first = i64::from(first).max(-rising);
@@ -168,7 +168,7 @@ impl Walk {
     }
 
     /// To the row below.
-    #[inline]
+    #[inline(always)]
     fn step(&mut self) {
         for cut in &mut self.cuts {
             cut.step();
@@ -188,7 +188,7 @@ struct Cut {
 }
 
 impl Cut {
-    #[inline]
+    #[inline(always)]
     fn new(at: i64, right: i64, down: i64) -> Self {
         let pixel = i64::from(SUBPIXELS);
         let divisor = (right * pixel).abs();
@@ -211,7 +211,7 @@ impl Cut {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self) {
         let remainder = self.remainder + self.step[1] - self.divisor;
         let carry = remainder >= 0;
