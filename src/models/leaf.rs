@@ -277,7 +277,7 @@ impl Fragment for LeafFragment<'_> {
     const FLATS: usize = 3;
     const TESTS_ALPHA: bool = true;
 
-    #[inline]
+    #[inline(always)]
     fn keeps(&self, pixel: &Pixel<'_>) -> bool {
         let surface = self.surface(pixel);
         let alpha = surface.texture.map_or(1.0, |texture| {

@@ -188,6 +188,7 @@ impl Fragment for MeshFragment<'_> {
     const FLATS: usize = 0;
     const TESTS_ALPHA: bool = true;
 
+    #[inline(always)]
     fn keeps(&self, pixel: &Pixel<'_>) -> bool {
         let Some(texture) = self.texture.filter(|_| self.alpha_cutoff > 0.0) else {
             return true;

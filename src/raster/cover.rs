@@ -195,7 +195,7 @@ impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPL
     }
 
     /// Tests at most 8 candidates.
-    #[inline]
+    #[inline(always)]
     fn test(&mut self, places: Range<usize>) {
         let (triangle, edges, tile) = (self.triangle, &self.edges, &mut *self.tile);
         let attributes = self.attributes.get_or_insert_with(|| {

@@ -151,6 +151,10 @@ impl Walk {
 
     /// The covered columns of some.
     #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a span lies within the columns, or is none"
+    )]
     fn span(&self, [first, last]: [i32; 2]) -> [i32; 2] {
         let [rising, any, falling] = self.cuts.each_ref().map(|cut| cut.quotient);
         let first = i64::from(first).max(-rising);
@@ -259,5 +263,101 @@ impl Along {
     pub(super) fn step(&mut self) {
         self.at[0] += self.right[0];
         self.at[1] += self.right[1];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::setup::Triangle;
+
+    fn triangle(x: [i32; 3], y: [i32; 3]) -> Triangle {
+        Triangle {
+            x,
+            y,
+            depth: 0.0,
+            depth_slopes: [0.0; 2],
+            nearest: 0.0,
+            vertex: 0,
+            corners: [0; 3],
+            batch: 0,
+            primitive: 0,
+            part: 0,
+            front: false,
+            cut: false,
+        }
+    }
+
+    /// The mask of each pixel of a box, by its spans.
+    fn by_spans<const SAMPLES: usize>(edges: &Edges, samples: Samples, side: i32) -> Vec<u32> {
+        let mut masks = vec![0; (side * side).unsigned_abs() as usize];
+        let pixels = PixelBox {
+            first: [0, 0],
+            last: [side - 1, side - 1],
+        };
+        let gains = gains::<SAMPLES>(samples, edges);
+        visit_spans(edges, &gains, pixels, |spans| {
+            let [first, last] = spans.columns();
+            for x in first..=last {
+                masks[(spans.y * side + x).unsigned_abs() as usize] |= spans.mask(x);
+            }
+        });
+        masks
+    }
+
+    /// The same by the rule itself, sample by sample.
+    fn by_rule<const SAMPLES: usize>(edges: &Edges, samples: Samples, side: i32) -> Vec<u32> {
+        let gains = gains::<SAMPLES>(samples, edges);
+        let pixels = (0..side).flat_map(|y| (0..side).map(move |x| [x, y]));
+        let mask = |[x, y]: [i32; 2]| {
+            let at = edges.at_pixel(x, y);
+            let covers = |gain: &[i64; 3]| (0..3).all(|k| at[k] + gain[k] + edges.bias[k] >= 0);
+            let bits = gains.iter().zip(0..);
+            bits.fold(0, |mask, (gain, bit)| mask | u32::from(covers(gain)) << bit)
+        };
+        pixels.map(mask).collect()
+    }
+
+    #[test]
+    fn spans_are_what_edge_functions_say() {
+        let mut state = 1_u64;
+        let mut next = |range: i32| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            let sides = 2 * range.unsigned_abs() + 1;
+            i32::try_from((state >> 33) % u64::from(sides)).unwrap() - range
+        };
+        for round in 0..4000 {
+            // Corners on pixel centres, on sub-pixels, and far out.
+            let range = [8, 1500, 4000, 1 << 23][round % 4];
+            let grid = [128, 1, 128, 1][round / 4 % 4].min(range / 8);
+            let mut corner = || (next(range) / grid * grid).clamp(-(1 << 23), 1 << 23) + 1024;
+            let (x, y) = (
+                [corner(), corner(), corner()],
+                [corner(), corner(), corner()],
+            );
+            let area = i64::from(x[1] - x[0]) * i64::from(y[2] - y[0])
+                - i64::from(x[2] - x[0]) * i64::from(y[1] - y[0]);
+            let edges = match area {
+                0 => continue,
+                1.. => Edges::of(&triangle(x, y)),
+                ..0 => Edges::of(&triangle([x[0], x[2], x[1]], [y[0], y[2], y[1]])),
+            };
+            for side in [2, 9] {
+                let one = Samples::One;
+                assert_eq!(
+                    by_spans::<1>(&edges, one, side),
+                    by_rule::<1>(&edges, one, side),
+                    "{x:?} {y:?}"
+                );
+                let four = Samples::Four;
+                assert_eq!(
+                    by_spans::<4>(&edges, four, side),
+                    by_rule::<4>(&edges, four, side),
+                    "{x:?} {y:?}"
+                );
+            }
+        }
     }
 }

@@ -193,7 +193,7 @@ impl<'a> Attributes<'a> {
     }
 
     /// The 8 pixels whose centres have these second and third edge functions.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pixels<F: Fragment>(&self, edges: [[f32; LANES]; 2]) -> Pixels<'a> {
         let mut pixels = Pixels {
             varyings: [[0.0; LANES]; MAX_VARYINGS],
@@ -242,7 +242,7 @@ pub(super) struct Pixels<'a> {
 
 impl Pixels<'_> {
     /// Hands `use_pixel` one of the pixels.
-    #[inline]
+    #[inline(always)]
     pub(super) fn hand_over<R>(
         &self,
         lane: usize,
