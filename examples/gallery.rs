@@ -4,6 +4,8 @@
 //! cargo run --release --example gallery -- scenes/species sheet.png
 //! ```
 
+#![expect(clippy::print_stdout, reason = "a program that says what it draws")]
+
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
@@ -29,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
     files.sort();
     let columns = 5;
-    let rows = files.len().div_ceil(columns as usize) as u32;
+    let rows = u32::try_from(files.len())?.div_ceil(columns);
     let mut sheet = image::RgbaImage::new(columns * SIDE, rows * SIDE);
     for (number, path) in (0..).zip(&files) {
         let picture = portrait(path)?;

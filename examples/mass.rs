@@ -4,6 +4,8 @@
 //! cargo run --release --example mass -- scenes/species/taxus_baccata.toml …
 //! ```
 
+#![expect(clippy::print_stdout, reason = "a program that prints a table")]
+
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
@@ -19,8 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let species = Species::read(Path::new(&path))?;
         let crown = Arc::new(crown(grow(&species, 1)?, species.stop_leaves));
         let all = crown.sequence().original_count();
-        let collapses =
-            [100, 50, 25, 10].map(|percent| all - (u64::from(all) * percent / 100) as u32);
+        let collapses = [1, 2, 4, 10].map(|part| all - all / part);
         let most = crown.sequence().collapse_count();
         let states = collapses.map(|collapses| State::Uniform {
             collapses: collapses.min(most),

@@ -83,15 +83,25 @@ pub(super) fn render(device: &mut Device, pass: &RenderPass) -> Result<(), GpuEr
             })
             .collect();
         let of_batch = raster::render(&mut slot.target, &batches, &device.descriptor.raster);
-        let mut of_draw = vec![raster::Work::default(); plan.draws.len()];
-        for (&(number, _), work) in calls.iter().zip(&of_batch) {
-            of_draw[number] = of_draw[number].plus(work);
+        let mut of_draw = vec![Outcome::default(); plan.draws.len()];
+        for ((&(number, _), work), geometry) in calls.iter().zip(&of_batch).zip(&geometries) {
+            let outcome = &mut of_draw[number];
+            outcome.work = outcome.work.plus(work);
+            outcome.emitted_vertices += geometry.clip.len() as u64;
         }
         of_draw
     };
     device.targets[pass.target.index() as usize] = Some(slot);
     count(device, &plan, &work);
     Ok(())
+}
+
+/// What came of a draw.
+#[derive(Debug, Clone, Copy, Default)]
+struct Outcome {
+    work: raster::Work,
+    /// Vertices that the vertex stage emitted.
+    emitted_vertices: u64,
 }
 
 /// Marks what the input assembler reads, and lets programs mark the rest.
@@ -138,8 +148,8 @@ fn watch_reads(device: &mut Device, plan: &Plan) {
     device.reads = Some(reads);
 }
 
-/// Enters a pass into the ledger; `works` holds the rasterizer's work of each draw.
-fn count(device: &mut Device, plan: &Plan, works: &[raster::Work]) {
+/// Enters a pass into the ledger; `outcomes` holds what came of each draw.
+fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
     let exact = device.descriptor.raster.counters == Counters::Exact;
     let mut pulled = Vec::new();
     let mut ticks = 0;
@@ -147,7 +157,7 @@ fn count(device: &mut Device, plan: &Plan, works: &[raster::Work]) {
         command_bytes: plan.command_bytes,
         ..Ledger::default()
     };
-    for (draw, work) in plan.draws.iter().zip(works) {
+    for (draw, outcome) in plan.draws.iter().zip(outcomes) {
         let vertices = draw.corners.len() as u64;
         let primitives = vertices / corners_per_primitive(draw.topology) as u64;
         sums.draws += draw.draws;
@@ -157,7 +167,9 @@ fn count(device: &mut Device, plan: &Plan, works: &[raster::Work]) {
             Topology::TriangleList | Topology::LineList => primitives,
             Topology::QuadList => 2 * primitives,
         };
-        let mut input_bytes = 0;
+        let layout = draw.state.program.layout();
+        let mut input_bytes = u64::from(layout.pulled_primitive_bytes) * primitives
+            + u64::from(layout.pulled_vertex_bytes) * outcome.emitted_vertices;
         if let Ok((indices, inputs)) = draw.state.inputs(device, draw.source) {
             input_bytes += if indices.is_some() { 4 * vertices } else { 0 };
             input_bytes += inputs.map_or(0, |(_, stride)| u64::from(stride) * vertices);
@@ -171,13 +183,14 @@ fn count(device: &mut Device, plan: &Plan, works: &[raster::Work]) {
         ticks += device.descriptor.card.ticks(&DrawWork {
             vertices,
             triangles,
-            covered: work.covered,
-            visible: work.visible,
-            texels: work.texels,
+            covered: outcome.work.covered,
+            visible: outcome.work.visible,
+            texels: outcome.work.texels,
             input_bytes,
         });
     }
-    let work = raster::Work::total(works);
+    let works: Vec<raster::Work> = outcomes.iter().map(|outcome| outcome.work).collect();
+    let work = raster::Work::total(&works);
     sums.visible_samples = work.visible;
     if exact {
         sums.work = Some(WorkCounts {

@@ -35,6 +35,11 @@ pub struct Layout {
     /// Bytes of one vertex in the bound vertex buffer; 0 when the program pulls vertices from
     /// storage.
     pub vertex_stride: u32,
+    /// Bytes that the vertex stage pulls from storage for each primitive that it looks at; only the
+    /// modelled time on the card depends on it.
+    pub pulled_primitive_bytes: u32,
+    /// The same for each vertex that it emits.
+    pub pulled_vertex_bytes: u32,
     /// How many storage slots must be bound, from 0.
     pub storage_slots: u32,
     /// How many texture slots must be bound, from 0.

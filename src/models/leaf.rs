@@ -41,9 +41,9 @@ pub(super) const VARIABLE: u32 = u32::MAX;
 
 impl Program for LeafProgram {
     fn layout(&self) -> Layout {
-        let (name, vertex_stride, storage_slots) = match self {
-            Self::Indexed => ("leaf", 12, 3),
-            Self::Stamped => ("stamped-leaf", 0, 7),
+        let (name, vertex_stride, pulled, storage_slots) = match self {
+            Self::Indexed => ("leaf", 12, [0, 0], 3),
+            Self::Stamped => ("stamped-leaf", 0, [4 * index_u32(STAMPED_WORDS), 12], 7),
         };
         Layout {
             name,
@@ -51,6 +51,8 @@ impl Program for LeafProgram {
             topology: Topology::QuadList,
             blend: Blend::Opaque,
             vertex_stride,
+            pulled_primitive_bytes: pulled[0],
+            pulled_vertex_bytes: pulled[1],
             storage_slots,
             texture_slots: 0,
         }

@@ -130,6 +130,8 @@ impl Program for MeshProgram {
             topology: Topology::TriangleList,
             blend: Blend::Opaque,
             vertex_stride: VERTEX_BYTES,
+            pulled_primitive_bytes: 0,
+            pulled_vertex_bytes: 0,
             storage_slots: 3,
             texture_slots: 0,
         }

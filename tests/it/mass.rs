@@ -25,12 +25,8 @@ fn assert_mass(species: &str) {
         "{share} of the disc at full detail"
     );
     for one in &masses[1..] {
-        let (mean, worst) = one.against(&masses[0]);
+        let (mean, _) = one.against(&masses[0]);
         let area = one.area / masses[0].area;
-        println!(
-            "{}: {} leaves: {mean:.3} of the pixels, worst {worst:.3}, area {area:.3}",
-            species.latin, one.leaves
-        );
         assert!(
             (0.9..=1.1).contains(&mean),
             "{mean} of the pixels at {} leaves",

@@ -10,6 +10,8 @@ fn uses_that_a_resource_was_not_made_for_are_refused() {
     let pull = Layout {
         name: "pulled",
         vertex_stride: 0,
+        pulled_primitive_bytes: 0,
+        pulled_vertex_bytes: 0,
         storage_slots: 1,
         ..PUSHED
     };
@@ -112,6 +114,8 @@ fn handles_that_name_nothing_are_refused() {
     bench.device.destroy_buffer(freed).expect("it lives");
     let pulled = bench.program(Layout {
         vertex_stride: 0,
+        pulled_primitive_bytes: 0,
+        pulled_vertex_bytes: 0,
         ..PUSHED
     });
     let counted = draw(Corners::Counted, 0, 4);

@@ -38,6 +38,8 @@ const PUSHED: Layout = Layout {
     topology: Topology::QuadList,
     blend: Blend::Opaque,
     vertex_stride: 12,
+    pulled_primitive_bytes: 0,
+    pulled_vertex_bytes: 0,
     storage_slots: 0,
     texture_slots: 0,
 };

@@ -12,6 +12,10 @@ use spinney::raster::{
 };
 
 /// Draws, and adds up the work of all batches.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the face of the function it stands for"
+)]
 pub(crate) fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> Work {
     Work::total(&spinney::raster::render(target, batches, options))
 }
