@@ -56,6 +56,10 @@ pub(super) fn show(facts: &Facts, json: bool) -> String {
     let mut text = String::new();
     for (name, value) in facts {
         let lines: Vec<String> = match value {
+            Value::Array(list) if list.iter().all(Value::is_number) => {
+                let numbers: Vec<String> = list.iter().map(plain).collect();
+                vec![numbers.join(" × ")]
+            }
             Value::Array(list) => list.iter().map(plain).collect(),
             single => vec![plain(single)],
         };
