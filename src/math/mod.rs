@@ -56,7 +56,12 @@ impl Digester {
 
     /// Adds bytes as they are, without their length.
     pub fn raw(&mut self, bytes: &[u8]) -> &mut Self {
-        self.0.update(bytes);
+        // The same digest; below about this size, handing work to other threads costs more.
+        if bytes.len() < 1 << 17 {
+            self.0.update(bytes);
+        } else {
+            self.0.update_rayon(bytes);
+        }
         self
     }
 

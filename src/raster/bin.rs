@@ -1,5 +1,7 @@
 //! Which triangles each tile must look at, in the order of submission.
 
+use rayon::prelude::*;
+
 use super::setup::{Chunk, TRIANGLES_A_CHUNK, Triangle};
 use super::view::PixelBox;
 use crate::math::index_u32;
@@ -40,44 +42,70 @@ pub(super) struct Grid {
     pub(super) shift: u32,
 }
 
-/// The triangles of every tile.
+/// The triangles of every tile, in parts that were sorted side by side.
 #[derive(Debug)]
 pub(super) struct Bins {
     grid: Grid,
+    parts: Vec<Part>,
+}
+
+/// The triangles of every tile, from some chunks in a row.
+#[derive(Debug)]
+struct Part {
     /// Where each tile's triangles start in `ids`; one more than there are tiles.
     starts: Vec<usize>,
     ids: Vec<TriangleId>,
 }
 
+/// How many parts there are at the most: a constant, so that threads cannot be seen.
+const PARTS: usize = 8;
+
 impl Bins {
-    /// Sorts triangles into tiles by counting, one thread, in the order of chunks.
+    /// Sorts triangles into tiles by counting, in the order of chunks.
     pub(super) fn new(grid: Grid, chunks: &[Chunk]) -> Self {
+        let chunks_a_part = chunks.len().div_ceil(PARTS).max(1);
+        let parts = chunks
+            .par_chunks(chunks_a_part)
+            .enumerate()
+            .map(|(number, some)| Part::new(grid, number * chunks_a_part, some))
+            .collect();
+        Self { grid, parts }
+    }
+
+    /// Replaces `ids` by the triangles of the tile at a column and row of the grid; by none beyond
+    /// the grid.
+    pub(super) fn of_tile(&self, column: usize, row: usize, ids: &mut Vec<TriangleId>) {
+        ids.clear();
+        if column >= self.grid.columns || row >= self.grid.rows {
+            return;
+        }
+        let tile = row * self.grid.columns + column;
+        for part in &self.parts {
+            ids.extend_from_slice(&part.ids[part.starts[tile]..part.starts[tile + 1]]);
+        }
+    }
+}
+
+impl Part {
+    /// Sorts the triangles of `chunks`, of which the first has this number.
+    fn new(grid: Grid, first: usize, chunks: &[Chunk]) -> Self {
         let mut starts = vec![0; grid.columns * grid.rows + 1];
-        visit(grid, chunks, |tile, _| starts[tile + 1] += 1);
+        visit(grid, first, chunks, |tile, _| starts[tile + 1] += 1);
         for tile in 1..starts.len() {
             starts[tile] += starts[tile - 1];
         }
         let mut next = starts.clone();
         let mut ids = vec![TriangleId(0); starts[starts.len() - 1]];
-        visit(grid, chunks, |tile, id| {
+        visit(grid, first, chunks, |tile, id| {
             ids[next[tile]] = id;
             next[tile] += 1;
         });
-        Self { grid, starts, ids }
-    }
-
-    /// The triangles of the tile at a column and row of the grid; none beyond the grid.
-    pub(super) fn of_tile(&self, column: usize, row: usize) -> &[TriangleId] {
-        if column >= self.grid.columns || row >= self.grid.rows {
-            return &[];
-        }
-        let tile = row * self.grid.columns + column;
-        &self.ids[self.starts[tile]..self.starts[tile + 1]]
+        Self { starts, ids }
     }
 }
 
-fn visit(grid: Grid, chunks: &[Chunk], mut each: impl FnMut(usize, TriangleId)) {
-    for (number, chunk) in chunks.iter().enumerate() {
+fn visit(grid: Grid, first: usize, chunks: &[Chunk], mut each: impl FnMut(usize, TriangleId)) {
+    for (number, chunk) in (first..).zip(chunks) {
         for (local, pixels) in chunk.boxes.iter().enumerate() {
             let id = TriangleId::new(number, local);
             let [columns, rows] = tiles(grid, *pixels);

@@ -149,10 +149,16 @@ impl Target {
         rows.zip(0..self.height).for_each(|(row, y)| {
             let blocks = &self.blocks[(y / BLOCK_SIDE) as usize * self.columns..];
             let first = ((y % BLOCK_SIDE) * BLOCK_SIDE) as usize;
+            // Neighbours are often alike to the bit, above all where nothing was drawn.
+            let mut last = (self.clear_colour, clear);
             for (pixels, block) in row.chunks_mut(4 * BLOCK_SIDE as usize).zip(blocks) {
                 for (index, pixel) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
                     *pixel = if block.used {
-                        encode(encoder, block.resolve(first + index, self.samples))
+                        let colour = block.resolve(first + index, self.samples);
+                        if colour != last.0 {
+                            last = (colour, encode(encoder, colour));
+                        }
+                        last.1
                     } else {
                         clear
                     };

@@ -85,9 +85,10 @@ fn draw_block(
     let side = 1 << grid.shift;
     let tiles = (BLOCK_SIDE >> grid.shift) as usize;
     scratch.reset();
+    let mut ids = std::mem::take(&mut scratch.ids);
     for row in place[1] * tiles..(place[1] + 1) * tiles {
         for column in place[0] * tiles..(place[0] + 1) * tiles {
-            let ids = bins.of_tile(column, row);
+            bins.of_tile(column, row, &mut ids);
             if ids.is_empty() {
                 continue;
             }
@@ -96,7 +97,7 @@ fn draw_block(
             let first = [corner(column, side), corner(row, side)];
             let mut tile = Tile {
                 scene,
-                ids,
+                ids: &ids,
                 pixels: PixelBox {
                     first,
                     last: first.map(|first| first + side - 1),
@@ -110,6 +111,7 @@ fn draw_block(
             tile.draw();
         }
     }
+    scratch.ids = ids;
     scratch.take_works()
 }
 

@@ -41,6 +41,8 @@ pub(super) struct Scratch {
     order: Order,
     /// Batches of the opaque run with their entries.
     groups: Vec<(u32, Range<usize>)>,
+    /// The triangles of a tile.
+    pub(super) ids: Vec<TriangleId>,
     /// The work of the block, by batch.
     works: Works,
 }
@@ -85,6 +87,7 @@ impl Scratch {
             candidates: None,
             order: Order::default(),
             groups: Vec::new(),
+            ids: Vec::new(),
             works: Works::default(),
         }
     }
