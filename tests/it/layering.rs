@@ -23,15 +23,19 @@ const STAGES: &[(&str, &[&str])] = &[
         ],
     ),
     ("report", &["math", "gpu", "models", "run"]),
-    ("golden", &["math", "gpu", "models", "run", "report"]),
+    (
+        "golden",
+        &["math", "scene", "gpu", "models", "run", "report"],
+    ),
     (
         "explain",
-        &["math", "gpu", "models", "run", "report", "golden"],
+        &["math", "scene", "gpu", "models", "run", "report", "golden"],
     ),
     (
         "testkit",
         &[
-            "math", "gpu", "models", "run", "report", "golden", "explain",
+            "math", "plant", "scene", "gpu", "simplify", "models", "run", "report", "golden",
+            "explain",
         ],
     ),
     (
