@@ -12,8 +12,8 @@ use crate::math::{Mat4, Quat, Vec3};
 /// Programs and buffers that are there once a device.
 #[derive(Debug, Clone, Copy)]
 pub struct Environment {
-    pub(super) leaf: ProgramId,
-    pub(super) stamped_leaf: ProgramId,
+    indexed_leaf: ProgramId,
+    stamped_leaf: ProgramId,
     pub(super) mesh: ProgramId,
     view: BufferId,
     instances: BufferId,
@@ -121,6 +121,14 @@ pub(super) const VIEW_SLOT: u32 = 0;
 pub(super) const INSTANCE_SLOT: u32 = 1;
 
 impl Environment {
+    /// The program that draws leaves.
+    pub(super) fn leaf(&self, program: LeafProgram) -> ProgramId {
+        match program {
+            LeafProgram::Indexed => self.indexed_leaf,
+            LeafProgram::Stamped => self.stamped_leaf,
+        }
+    }
+
     /// Registers the programs and makes room for `instances` placements.
     ///
     /// # Errors
@@ -139,7 +147,7 @@ impl Environment {
         let view = buffer("view", View::BYTES)?;
         let instances = buffer("placements", Placement::STRIDE * u64::from(instances))?;
         Ok(Self {
-            leaf: device.create_program(Arc::new(LeafProgram::Indexed)),
+            indexed_leaf: device.create_program(Arc::new(LeafProgram::Indexed)),
             stamped_leaf: device.create_program(Arc::new(LeafProgram::Stamped)),
             mesh: device.create_program(Arc::new(MeshProgram)),
             view,

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use super::surface::{LEAF_GROUP, LeafDraw, Surface};
+use super::leaf::LeafProgram;
+use super::surface::{LEAF_GROUP, Surface, Uploaded};
 use super::{Change, Crown, Environment, Kind, Model, Resident, Shared, State, Storage};
 use crate::gpu::{Corners, Device, Draw, GpuError, Queue, Residency, Step};
 
 /// The model without levels.
 ///
 /// Host memory: none. Device memory: the vertices, 12 bytes each.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Full {
     crown: Arc<Crown>,
 }
@@ -39,11 +40,8 @@ impl Model for Full {
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
         let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
-        let corner_count = 4 * self.crown.sequence().original_count();
-        Ok(Box::new(FullShared {
-            surface,
-            corner_count,
-        }))
+        let model = self.clone();
+        Ok(Box::new(Uploaded { model, surface }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
@@ -60,13 +58,7 @@ impl Model for Full {
     }
 }
 
-#[derive(Debug)]
-struct FullShared {
-    surface: Surface,
-    corner_count: u32,
-}
-
-impl Shared for FullShared {
+impl Shared for Uploaded<Full> {
     fn instance(
         &self,
         _device: &mut Device,
@@ -74,12 +66,12 @@ impl Shared for FullShared {
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
         let mut steps = Vec::new();
-        self.surface.bind(LeafDraw::Indexed, &mut steps);
+        self.surface.bind(LeafProgram::Indexed, &mut steps);
         steps.push(Step::Vertices(self.surface.vertices));
         steps.push(Step::Draw(Draw {
             source: Corners::Counted,
             first_corner: 0,
-            corner_count: self.corner_count,
+            corner_count: 4 * self.model.crown.sequence().original_count(),
             instance: number,
             group: LEAF_GROUP,
         }));

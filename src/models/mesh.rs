@@ -1,11 +1,10 @@
 //! The trunk: a plain mesh, the same at every level.
 
 use super::environment::{Environment, INSTANCE_SLOT, Placement, VIEW_SLOT, View};
-use super::surface::upload_texture;
+use super::surface::{filled, upload_texture};
 use crate::gpu::{
-    Bindings, Blend, BufferDescriptor, BufferId, Cause, Corners, Device, Draw, Fragment, Geometry,
-    GpuError, Kernel, Layout, MipMap, Pixel, Program, Residency, Step, TextureId, Topology, Usage,
-    VertexCall, Wrap,
+    Bindings, Blend, BufferId, Cause, Corners, Device, Draw, Fragment, Geometry, GpuError, Kernel,
+    Layout, MipMap, Pixel, Program, Step, TextureId, Topology, Usage, VertexCall, Wrap,
 };
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
 use crate::plant::Mesh;
@@ -60,18 +59,7 @@ impl Trunk {
         let color = mesh.material.base_color;
         let words = [color[0], color[1], color[2], mesh.material.alpha_cutoff];
         let surface: Vec<u8> = words.into_iter().flat_map(f32::to_le_bytes).collect();
-        let mut make = |label, usage, bytes: &[u8]| {
-            let size = bytes.len() as u64;
-            let residency = Residency::Device;
-            let buffer = device.create_buffer(&BufferDescriptor {
-                label,
-                size,
-                usage,
-                residency,
-            })?;
-            device.queue().write(buffer, 0, bytes, CAUSE)?;
-            Ok(buffer)
-        };
+        let mut make = |label, usage, bytes: &[u8]| filled(device, label, usage, bytes, CAUSE);
         Ok(Self {
             environment: *environment,
             vertices: make("trunk vertices", Usage::VERTEX, &vertices)?,

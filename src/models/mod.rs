@@ -29,6 +29,7 @@ mod crown;
 mod environment;
 mod full;
 mod leaf;
+mod leaf_list;
 mod lodf;
 mod mesh;
 mod select;

@@ -2,10 +2,10 @@
 
 use super::crown::Crown;
 use super::environment::Environment;
-use super::leaf::{LeafMaterial, MATERIAL_SLOT};
+use super::leaf::{LeafMaterial, LeafProgram, MATERIAL_SLOT};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Device, GpuError, MAX_SLOTS, ProgramId, Residency, Step,
-    TextureDescriptor, TextureId, Usage,
+    BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, MAX_SLOTS,
+    Residency, Step, TextureDescriptor, TextureId, Usage,
 };
 use crate::math::{Vec4, index_u32};
 use crate::plant::Texture;
@@ -30,17 +30,15 @@ impl Surface {
         crown: &Crown,
         residency: Residency,
     ) -> Result<Self, GpuError> {
-        let vertices = crown.vertex_bytes();
-        let buffer = BufferDescriptor {
+        let bytes = crown.vertex_bytes();
+        let vertices = device.create_buffer(&BufferDescriptor {
             label: "leaf vertices",
-            size: vertices.len() as u64,
+            size: bytes.len() as u64,
             usage: Usage::VERTEX | Usage::STORAGE,
             residency,
-        };
-        let vertex_buffer = device.create_buffer(&buffer)?;
-        device
-            .queue()
-            .write(vertex_buffer, 0, &vertices, Cause::of("vertices"))?;
+        })?;
+        let cause = Cause::of("vertices");
+        device.queue().write(vertices, 0, &bytes, cause)?;
 
         let mut distinct: Vec<(&Texture, f32)> = Vec::new();
         let mut bytes = Vec::new();
@@ -74,15 +72,8 @@ impl Surface {
             );
             return Err(GpuError::Unsupported { what });
         }
-        let materials = device.create_buffer(&BufferDescriptor {
-            label: "leaf materials",
-            size: bytes.len() as u64,
-            usage: Usage::STORAGE,
-            residency: Residency::Device,
-        })?;
-        device
-            .queue()
-            .write(materials, 0, &bytes, Cause::of("materials"))?;
+        let cause = Cause::of("materials");
+        let materials = filled(device, "leaf materials", Usage::STORAGE, &bytes, cause)?;
         let textures = distinct
             .into_iter()
             .map(|(texture, cutoff)| {
@@ -97,15 +88,15 @@ impl Surface {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             environment: *environment,
-            vertices: vertex_buffer,
+            vertices,
             materials,
             textures,
         })
     }
 
     /// Binds what leaves are drawn with.
-    pub(super) fn bind(&self, program: LeafDraw, steps: &mut Vec<Step>) {
-        steps.extend(self.environment.bind(program.id(&self.environment)));
+    pub(super) fn bind(&self, program: LeafProgram, steps: &mut Vec<Step>) {
+        steps.extend(self.environment.bind(self.environment.leaf(program)));
         steps.push(Step::Storage {
             slot: MATERIAL_SLOT,
             buffer: self.materials,
@@ -117,22 +108,51 @@ impl Surface {
             });
         }
     }
-}
-
-/// Which of the leaf programs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LeafDraw {
-    Indexed,
-    Stamped,
-}
-
-impl LeafDraw {
-    fn id(self, environment: &Environment) -> ProgramId {
-        match self {
-            Self::Indexed => environment.leaf,
-            Self::Stamped => environment.stamped_leaf,
-        }
+    /// The steps that draw lists of records, one for each of the first `count` draw arguments.
+    pub(super) fn draw_records(
+        &self,
+        records: BufferId,
+        arguments: BufferId,
+        count: u32,
+    ) -> Vec<Step> {
+        let mut steps = Vec::new();
+        self.bind(LeafProgram::Indexed, &mut steps);
+        steps.push(Step::Vertices(self.vertices));
+        steps.push(Step::Indices(records));
+        steps.push(Step::DrawIndirect(DrawIndirect {
+            source: Corners::Indexed,
+            arguments,
+            offset: 0,
+            count,
+            group: LEAF_GROUP,
+        }));
+        steps
     }
+}
+
+/// What instances of a model share on a device: the model's own host structures, and the surface.
+#[derive(Debug)]
+pub(super) struct Uploaded<M> {
+    pub(super) model: M,
+    pub(super) surface: Surface,
+}
+
+/// Makes a buffer on the device and sends all of its bytes.
+pub(super) fn filled(
+    device: &mut Device,
+    label: &str,
+    usage: Usage,
+    bytes: &[u8],
+    cause: Cause,
+) -> Result<BufferId, GpuError> {
+    let buffer = device.create_buffer(&BufferDescriptor {
+        label,
+        size: bytes.len() as u64,
+        usage,
+        residency: Residency::Device,
+    })?;
+    device.queue().write(buffer, 0, bytes, cause)?;
+    Ok(buffer)
 }
 
 /// Sends a texture with all its mip levels, each of which covers what the largest covers.

@@ -9,13 +9,10 @@
 
 use std::sync::Arc;
 
-use super::lodf::HostList;
-use super::surface::{LEAF_GROUP, LeafDraw, Surface};
+use super::leaf_list::LeafList;
+use super::surface::{Surface, Uploaded};
 use super::{Change, Crown, Environment, Kind, Model, Resident, Shared, State, Storage};
-use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    Queue, Residency, Step, Usage,
-};
+use crate::gpu::{Device, GpuError, IndirectRecord, Queue, Residency, Step};
 use crate::math::index_u32;
 
 /// Where VDF keeps what it draws.
@@ -27,12 +24,22 @@ pub(super) enum Transfer {
     Indices,
 }
 
+impl Transfer {
+    /// Where vertices and list lie.
+    fn residency(self) -> Residency {
+        match self {
+            Self::Host => Residency::Host,
+            Self::Indices => Residency::Device,
+        }
+    }
+}
+
 /// VDF.
 ///
 /// Host memory: 12 bytes a vertex (for `Host`), then 28 bytes a leaf, old or new. Device memory for
 /// `Indices`: 12 bytes a vertex once; 16 bytes an original leaf and 16 bytes of draw arguments for
 /// each instance.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Vdf {
     crown: Arc<Crown>,
     transfer: Transfer,
@@ -118,17 +125,10 @@ impl Model for Vdf {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let residency = match self.transfer {
-            Transfer::Host => Residency::Host,
-            Transfer::Indices => Residency::Device,
-        };
+        let residency = self.transfer.residency();
         let surface = Surface::upload(device, environment, &self.crown, residency)?;
-        Ok(Box::new(VdfShared {
-            crown: Arc::clone(&self.crown),
-            transfer: self.transfer,
-            links: Arc::clone(&self.links),
-            surface,
-        }))
+        let model = self.clone();
+        Ok(Box::new(Uploaded { model, surface }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
@@ -163,106 +163,29 @@ impl Model for Vdf {
     }
 }
 
-#[derive(Debug)]
-struct VdfShared {
-    crown: Arc<Crown>,
-    transfer: Transfer,
-    links: Arc<Vec<Links>>,
-    surface: Surface,
-}
-
-impl Shared for VdfShared {
+impl Shared for Uploaded<Vdf> {
     fn instance(
         &self,
         device: &mut Device,
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let active = Vdf::active(&self.crown, &self.links, state);
-        let list = match self.transfer {
-            Transfer::Host => {
-                let list = HostList::create(device, &self.crown, &self.surface, number)?;
-                list.write(&mut device.queue(), &self.crown, &active)?;
-                List::Host(list)
-            }
-            Transfer::Indices => List::Device(self.create_list(device, number, &active)?),
-        };
+        let (model, surface) = (&self.model, &self.surface);
+        let active = Vdf::active(&model.crown, &model.links, state);
+        let residency = model.transfer.residency();
         Ok(Box::new(VdfResident {
-            active: ActiveList::of(&active, self.links.len()),
-            crown: Arc::clone(&self.crown),
-            links: Arc::clone(&self.links),
-            list,
+            list: LeafList::create(device, &model.crown, surface, residency, number, &active)?,
+            active: ActiveList::of(&active, model.links.len()),
+            model: model.clone(),
             state: state.clone(),
         }))
     }
 }
 
-impl VdfShared {
-    fn create_list(
-        &self,
-        device: &mut Device,
-        number: u32,
-        active: &[u32],
-    ) -> Result<DeviceList, GpuError> {
-        let mut buffer = |label, size, usage| {
-            let residency = Residency::Device;
-            device.create_buffer(&BufferDescriptor {
-                label,
-                size,
-                usage,
-                residency,
-            })
-        };
-        let size = 16 * u64::from(self.crown.sequence().original_count());
-        let records = buffer("leaf list", size, Usage::INDEX)?;
-        let arguments = buffer("draw arguments", IndirectRecord::STRIDE, Usage::INDIRECT)?;
-        let record = IndirectRecord {
-            corner_count: 4 * index_u32(active.len()),
-            instances: 1,
-            first_corner: 0,
-            instance: number,
-        };
-        let bytes = self.crown.records_bytes(active.iter().copied());
-        let mut queue = device.queue();
-        queue.write(records, 0, &bytes, Cause::of("records"))?;
-        queue.write(arguments, 0, &record.to_bytes(), Cause::of("records"))?;
-        let mut steps = Vec::new();
-        self.surface.bind(LeafDraw::Indexed, &mut steps);
-        steps.push(Step::Vertices(self.surface.vertices));
-        steps.push(Step::Indices(records));
-        steps.push(Step::DrawIndirect(DrawIndirect {
-            source: Corners::Indexed,
-            arguments,
-            offset: 0,
-            count: 1,
-            group: LEAF_GROUP,
-        }));
-        Ok(DeviceList {
-            records,
-            arguments,
-            steps,
-        })
-    }
-}
-
-#[derive(Debug)]
-enum List {
-    Host(HostList),
-    Device(DeviceList),
-}
-
-#[derive(Debug)]
-struct DeviceList {
-    records: BufferId,
-    arguments: BufferId,
-    steps: Vec<Step>,
-}
-
 #[derive(Debug)]
 struct VdfResident {
-    crown: Arc<Crown>,
-    links: Arc<Vec<Links>>,
-    list: List,
+    model: Vdf,
+    list: LeafList,
     active: ActiveList,
     state: State,
 }
@@ -273,7 +196,7 @@ impl Resident for VdfResident {
     }
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-        let crown = Arc::clone(&self.crown);
+        let Vdf { crown, links, .. } = &self.model;
         let clusters = crown.clusters();
         // The criterion is evaluated for every active leaf, whatever changes.
         let mut change = Change {
@@ -288,10 +211,10 @@ impl Resident for VdfResident {
         for (cluster, (before, after)) in clusters.clusters.iter().zip(counts) {
             let new_leaf = |op: u32| crown.sequence().new_leaf(cluster.ops[op as usize]);
             for op in before..after {
-                self.active.collapse(&self.links, new_leaf(op));
+                self.active.collapse(links, new_leaf(op));
             }
             for op in (after..before).rev() {
-                self.active.split(&self.links, new_leaf(op));
+                self.active.split(links, new_leaf(op));
             }
             change.collapses += after.saturating_sub(before);
             change.splits += before.saturating_sub(after);
@@ -301,25 +224,14 @@ impl Resident for VdfResident {
         change.host_records += 9 * u64::from(change.collapses + change.splits);
         if change.clusters_touched > 0 {
             let active: Vec<u32> = self.active.iter().collect();
-            match &self.list {
-                List::Host(list) => list.write(queue, &crown, &active)?,
-                List::Device(list) => {
-                    let bytes = crown.records_bytes(active.iter().copied());
-                    queue.write(list.records, 0, &bytes, Cause::of("index-list"))?;
-                    let count = (4 * index_u32(active.len())).to_le_bytes();
-                    queue.write(list.arguments, 0, &count, Cause::of("draw-count"))?;
-                }
-            }
+            self.list.write(queue, crown, &active)?;
         }
         self.state = to.clone();
         Ok(change)
     }
 
     fn draw(&self, steps: &mut Vec<Step>) {
-        steps.extend_from_slice(match &self.list {
-            List::Host(list) => &list.steps,
-            List::Device(list) => &list.steps,
-        });
+        steps.extend_from_slice(&self.list.steps);
     }
 }
 

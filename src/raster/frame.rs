@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::colour::{Encoder, unit_byte};
 use super::{Key, Samples};
-use crate::math::{Digest, Digester, Vec4};
+use crate::math::{Digest, Digester, Vec4, index_u32};
 
 /// Colour, depth and what shows, for every sample.
 ///
@@ -105,6 +105,14 @@ impl Target {
         let (block, index) = self.place(x, y)?;
         let key = block.shown[index * self.samples.count()];
         (key != NOTHING).then_some(key)
+    }
+
+    /// How many pixels show something of a group, by their first sample.
+    #[must_use]
+    pub fn pixels_showing(&self, group: u32) -> u32 {
+        let shows = |&(x, y): &(u32, u32)| self.key(x, y).is_some_and(|key| key.group == group);
+        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+        index_u32(pixels.filter(shows).count())
     }
 
     /// The depth of the first sample of a pixel, from 0 (near) to 1 (far); the depth it was cleared

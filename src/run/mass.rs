@@ -135,10 +135,7 @@ pub fn mass(crown: &Arc<Crown>, states: &[State]) -> Result<Vec<Mass>, RunError>
             };
             device.queue().submit(&[Command::Render(pass)])?;
             let picture = device.inspect_target(target)?;
-            let shows_leaf =
-                |&(x, y): &(u32, u32)| picture.key(x, y).is_some_and(|key| key.group == LEAF_GROUP);
-            let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
-            covered.push(crate::math::index_u32(pixels.filter(shows_leaf).count()));
+            covered.push(picture.pixels_showing(LEAF_GROUP));
         }
         device.take_ledger();
         let (leaves, area, folded) = (measure.leaves, measure.area, measure.folded);

@@ -8,8 +8,8 @@ use crate::gpu::{
 };
 use crate::math::{Digest, whole_u32};
 use crate::models::{
-    Change, Criterion, Environment, Extent, Extraction, Gather, Kind, ModelOptions, Resident,
-    Shared, State, Trunk, View, select,
+    Change, Criterion, Environment, Extent, Extraction, Gather, Kind, LEAF_GROUP, ModelOptions,
+    Resident, Shared, State, Trunk, View, select,
 };
 use crate::raster::{Image, Options, Samples, decode_srgb};
 use crate::scene::{self, DetailKind, ImageSize, SampleCount, Scene};
@@ -361,18 +361,7 @@ impl<'w> Session<'w> {
     /// How many pixels show a leaf, by their first sample.
     #[must_use]
     pub fn covered_pixels(&self) -> u64 {
-        let Ok(target) = self.device.inspect_target(self.target) else {
-            return 0;
-        };
-        let rows = 0..target.height();
-        rows.map(|y| {
-            let shows_leaf = |x: &u32| {
-                target
-                    .key(*x, y)
-                    .is_some_and(|key| key.group == crate::models::LEAF_GROUP)
-            };
-            (0..target.width()).filter(shows_leaf).count() as u64
-        })
-        .sum()
+        let target = self.device.inspect_target(self.target);
+        target.map_or(0, |target| u64::from(target.pixels_showing(LEAF_GROUP)))
     }
 }

@@ -3,15 +3,14 @@
 
 use std::sync::Arc;
 
-use super::super::surface::{LEAF_GROUP, LeafDraw, Surface};
+use super::super::surface::{Surface, Uploaded, filled};
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use super::groups::{Group, Groups};
 use super::{Extraction, block_starts, host_bytes, host_size};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    Queue, Residency, Step, Usage,
+    BufferId, Cause, Device, GpuError, IndirectRecord, Queue, Residency, Step, Usage,
 };
 use crate::math::index_u32;
 use crate::simplify::literal_visible;
@@ -29,7 +28,7 @@ pub(in super::super) enum Order {
 ///
 /// Host memory: the structures of [`host_bytes`]. Device memory: 12 bytes a vertex once; a block of
 /// 16 bytes an original leaf and 16 bytes of draw arguments a cluster for each instance.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in super::super) struct Blocks {
     crown: Arc<Crown>,
     order: Order,
@@ -72,12 +71,8 @@ impl Model for Blocks {
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
         let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
-        Ok(Box::new(BlocksShared {
-            crown: Arc::clone(&self.crown),
-            order: self.order,
-            extraction: self.extraction,
-            surface,
-        }))
+        let model = self.clone();
+        Ok(Box::new(Uploaded { model, surface }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
@@ -93,27 +88,19 @@ impl Model for Blocks {
     }
 }
 
-#[derive(Debug)]
-struct BlocksShared {
-    crown: Arc<Crown>,
-    order: Order,
-    extraction: Extraction,
-    surface: Surface,
-}
-
-impl Shared for BlocksShared {
+impl Shared for Uploaded<Blocks> {
     fn instance(
         &self,
         device: &mut Device,
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let crown = &self.crown;
+        let crown = &self.model.crown;
         let groups = Groups::at(crown.clusters(), state);
         let starts = block_starts(crown);
         let mut bytes = vec![0; 16 * crown.sequence().original_count() as usize];
         for ((cluster, group), &start) in (0..).zip(groups.groups()).zip(&starts) {
-            let shown = visible(crown, self.order, cluster, group.collapses());
+            let shown = visible(crown, self.model.order, cluster, group.collapses());
             let records = crown.records_bytes(shown);
             bytes[16 * start as usize..][..records.len()].copy_from_slice(&records);
         }
@@ -126,9 +113,7 @@ impl Shared for BlocksShared {
             number,
         )?;
         Ok(Box::new(BlocksResident {
-            crown: Arc::clone(crown),
-            order: self.order,
-            extraction: self.extraction,
+            model: self.model.clone(),
             starts,
             buffers,
             groups,
@@ -138,9 +123,7 @@ impl Shared for BlocksShared {
 
 #[derive(Debug)]
 struct BlocksResident {
-    crown: Arc<Crown>,
-    order: Order,
-    extraction: Extraction,
+    model: Blocks,
     starts: Vec<u32>,
     buffers: BlockBuffers,
     groups: Groups,
@@ -152,13 +135,14 @@ impl Resident for BlocksResident {
     }
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-        let clusters = self.crown.clusters();
-        let (mut change, touched) = self.groups.extract(clusters, to, self.extraction);
+        let (crown, order) = (&self.model.crown, self.model.order);
+        let extraction = self.model.extraction;
+        let (mut change, touched) = self.groups.extract(crown.clusters(), to, extraction);
         for (cluster, _) in touched {
             let group = self.groups.groups()[cluster as usize];
-            let shown = visible(&self.crown, self.order, cluster, group.collapses());
+            let shown = visible(crown, order, cluster, group.collapses());
             change.host_records += shown.len() as u64;
-            let bytes = self.crown.records_bytes(shown);
+            let bytes = crown.records_bytes(shown);
             let offset = 16 * u64::from(self.starts[cluster as usize]);
             let cause = Cause::numbered("cluster", cluster);
             queue.write(self.buffers.records, offset, &bytes, cause)?;
@@ -213,20 +197,6 @@ impl BlockBuffers {
         groups: &[Group],
         number: u32,
     ) -> Result<Self, GpuError> {
-        let mut buffer = |label, bytes: &[u8], usage| {
-            let residency = Residency::Device;
-            let size = bytes.len() as u64;
-            let buffer = device.create_buffer(&BufferDescriptor {
-                label,
-                size,
-                usage,
-                residency,
-            })?;
-            device
-                .queue()
-                .write(buffer, 0, bytes, Cause::of("records"))?;
-            Ok::<_, GpuError>(buffer)
-        };
         let arguments: Vec<u8> = groups
             .iter()
             .zip(block_starts(crown))
@@ -240,23 +210,13 @@ impl BlockBuffers {
                 record.to_bytes()
             })
             .collect();
-        let records = buffer("leaf records", records, Usage::INDEX)?;
-        let arguments = buffer("draw arguments", &arguments, Usage::INDIRECT)?;
-        let mut steps = Vec::new();
-        surface.bind(LeafDraw::Indexed, &mut steps);
-        steps.push(Step::Vertices(surface.vertices));
-        steps.push(Step::Indices(records));
-        steps.push(Step::DrawIndirect(DrawIndirect {
-            source: Corners::Indexed,
-            arguments,
-            offset: 0,
-            count: index_u32(groups.len()),
-            group: LEAF_GROUP,
-        }));
+        let cause = Cause::of("records");
+        let records = filled(device, "leaf records", Usage::INDEX, records, cause)?;
+        let arguments = filled(device, "draw arguments", Usage::INDIRECT, &arguments, cause)?;
         Ok(Self {
             records,
             arguments,
-            steps,
+            steps: surface.draw_records(records, arguments, index_u32(groups.len())),
         })
     }
 

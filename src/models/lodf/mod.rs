@@ -18,7 +18,7 @@ mod stamps;
 
 pub(super) use blocks::{Blocks, Order};
 pub use groups::Extraction;
-pub(super) use host::{Host, HostList};
+pub(super) use host::Host;
 pub(super) use slots::Slots;
 pub(super) use stamps::Stamps;
 

@@ -7,13 +7,13 @@
 
 use std::sync::Arc;
 
-use super::super::surface::Surface;
+use super::super::surface::{Surface, Uploaded};
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use super::blocks::{BlockBuffers, draw_count_cause};
 use super::groups::Groups;
-use super::{Extraction, Gather, block_starts, host_bytes, host_size};
+use super::{Gather, block_starts, host_bytes, host_size};
 use crate::gpu::{Cause, Device, GpuError, Queue, Region, Residency, Step};
 use crate::math::index_u32;
 use crate::simplify::Cluster;
@@ -22,7 +22,7 @@ use crate::simplify::Cluster;
 ///
 /// Host memory: the structures of [`host_bytes`], then for each cluster the slots of old1 and old2
 /// of every collapse (8 bytes). Device memory: as with blocks.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in super::super) struct Slots {
     crown: Arc<Crown>,
     plan: Arc<Vec<ClusterSlots>>,
@@ -78,12 +78,8 @@ impl Model for Slots {
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
         let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
-        Ok(Box::new(SlotsShared {
-            crown: Arc::clone(&self.crown),
-            plan: Arc::clone(&self.plan),
-            options: self.options,
-            surface,
-        }))
+        let model = self.clone();
+        Ok(Box::new(Uploaded { model, surface }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
@@ -195,28 +191,20 @@ fn operands(cluster: &Cluster, collapse: usize) -> [u32; 2] {
     [0, 1].map(|operand| cluster.records[2 * collapse + operand].leaf)
 }
 
-#[derive(Debug)]
-struct SlotsShared {
-    crown: Arc<Crown>,
-    plan: Arc<Vec<ClusterSlots>>,
-    options: ModelOptions,
-    surface: Surface,
-}
-
-impl Shared for SlotsShared {
+impl Shared for Uploaded<Slots> {
     fn instance(
         &self,
         device: &mut Device,
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let crown = &self.crown;
+        let crown = &self.model.crown;
         let groups = Groups::at(crown.clusters(), state);
         let content: Vec<Vec<u32>> = crown
             .clusters()
             .clusters
             .iter()
-            .zip(&*self.plan)
+            .zip(&*self.model.plan)
             .zip(groups.groups())
             .map(|((cluster, plan), group)| plan.at(cluster, group.collapses()))
             .collect();
@@ -230,10 +218,7 @@ impl Shared for SlotsShared {
             number,
         )?;
         Ok(Box::new(SlotsResident {
-            crown: Arc::clone(crown),
-            plan: Arc::clone(&self.plan),
-            extraction: self.options.extraction,
-            gather: self.options.gather,
+            model: self.model.clone(),
             starts: block_starts(crown),
             buffers,
             groups,
@@ -244,10 +229,7 @@ impl Shared for SlotsShared {
 
 #[derive(Debug)]
 struct SlotsResident {
-    crown: Arc<Crown>,
-    plan: Arc<Vec<ClusterSlots>>,
-    extraction: Extraction,
-    gather: Gather,
+    model: Slots,
     starts: Vec<u32>,
     buffers: BlockBuffers,
     groups: Groups,
@@ -258,8 +240,8 @@ struct SlotsResident {
 impl SlotsResident {
     /// Moves one cluster to its new number of collapses; returns the slots whose leaf differs.
     fn move_cluster(&mut self, number: usize, from: u32, to: u32) -> Vec<usize> {
-        let cluster = &self.crown.clusters().clusters[number];
-        let (plan, content) = (&self.plan[number], &mut self.content[number]);
+        let cluster = &self.model.crown.clusters().clusters[number];
+        let (plan, content) = (&self.model.plan[number], &mut self.content[number]);
         let mut before: Vec<(usize, u32)> = Vec::new();
         let mut note = |content: &[u32], slots: [u32; 2]| {
             for slot in slots.map(|slot| slot as usize) {
@@ -291,8 +273,9 @@ impl Resident for SlotsResident {
     }
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-        let crown = Arc::clone(&self.crown);
-        let (mut change, touched) = self.groups.extract(crown.clusters(), to, self.extraction);
+        let crown = Arc::clone(&self.model.crown);
+        let ModelOptions { extraction, gather } = self.model.options;
+        let (mut change, touched) = self.groups.extract(crown.clusters(), to, extraction);
         let mut slot_writes: Vec<(u64, [u8; 16], u32)> = Vec::new();
         let mut count_writes: Vec<(u64, [u8; 4], u32)> = Vec::new();
         for (cluster, from) in touched {
@@ -320,7 +303,7 @@ impl Resident for SlotsResident {
             cause: draw_count_cause(*cluster),
         });
         let regions: Vec<Region<'_>> = records.chain(counts).collect();
-        send(queue, self.gather, &regions)?;
+        send(queue, gather, &regions)?;
         Ok(change)
     }
 

@@ -13,27 +13,30 @@
 use std::sync::Arc;
 
 use super::super::leaf::{
-    COUNTER_SLOT, RECORD_SLOT, STAMPED_WORDS, THRESHOLD_SLOT, VARIABLE, VERTEX_SLOT,
+    COUNTER_SLOT, LeafProgram, RECORD_SLOT, STAMPED_WORDS, THRESHOLD_SLOT, VARIABLE, VERTEX_SLOT,
 };
-use super::super::surface::{LEAF_GROUP, LeafDraw, Surface};
+use super::super::surface::{LEAF_GROUP, Surface, Uploaded, filled};
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use super::slots::send;
 use super::{Gather, host_bytes, host_size};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Corners, Device, DrawFromCounter, GpuError, Queue, Region,
-    Residency, Step, Usage,
+    BufferId, Cause, Corners, Device, DrawFromCounter, GpuError, Queue, Region, Residency, Step,
+    Usage,
 };
 use crate::math::index_u32;
 use crate::simplify::Clusters;
+
+/// Why what an instance or the model begins with is sent.
+const RECORDS: Cause = Cause::of("records");
 
 /// LoDF with stamps.
 ///
 /// Host memory: the structures of [`host_bytes`]. Device memory: 12 bytes a vertex and 24 bytes a
 /// leaf record, old or new (four corners, birth, cluster), once; a counter and a threshold a cluster
 /// (4 bytes each) for each instance.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in super::super) struct Stamps {
     crown: Arc<Crown>,
     gather: Gather,
@@ -105,20 +108,10 @@ impl Model for Stamps {
     ) -> Result<Box<dyn Shared>, GpuError> {
         let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
         let bytes = self.record_bytes();
-        let records = device.create_buffer(&BufferDescriptor {
-            label: "stamped records",
-            size: bytes.len() as u64,
-            usage: Usage::STORAGE,
-            residency: Residency::Device,
-        })?;
-        device
-            .queue()
-            .write(records, 0, &bytes, Cause::of("records"))?;
-        let (crown, gather) = (Arc::clone(&self.crown), self.gather);
+        let records = filled(device, "stamped records", Usage::STORAGE, &bytes, RECORDS)?;
+        let model = self.clone();
         Ok(Box::new(StampsShared {
-            crown,
-            gather,
-            surface,
+            uploaded: Uploaded { model, surface },
             records,
         }))
     }
@@ -140,9 +133,7 @@ impl Model for Stamps {
 
 #[derive(Debug)]
 struct StampsShared {
-    crown: Arc<Crown>,
-    gather: Gather,
-    surface: Surface,
+    uploaded: Uploaded<Stamps>,
     records: BufferId,
 }
 
@@ -153,31 +144,22 @@ impl Shared for StampsShared {
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let clusters = self.crown.clusters();
+        let Uploaded { model, surface } = &self.uploaded;
+        let clusters = model.crown.clusters();
         let (counter_word, thresholds_words) = match state {
             State::Uniform { collapses } => (*collapses, vec![0; clusters.clusters.len()]),
             State::Variable { counts } => (VARIABLE, thresholds(clusters, counts)),
         };
         let mut buffer = |label, words: &[u32], usage| {
             let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-            let (size, residency) = (bytes.len() as u64, Residency::Device);
-            let buffer = device.create_buffer(&BufferDescriptor {
-                label,
-                size,
-                usage,
-                residency,
-            })?;
-            device
-                .queue()
-                .write(buffer, 0, &bytes, Cause::of("records"))?;
-            Ok::<_, GpuError>(buffer)
+            filled(device, label, usage, &bytes, RECORDS)
         };
         let counter = buffer("counter", &[counter_word], Usage::STORAGE | Usage::INDIRECT)?;
         let threshold_buffer = buffer("thresholds", &thresholds_words, Usage::STORAGE)?;
         let mut steps = Vec::new();
-        self.surface.bind(LeafDraw::Stamped, &mut steps);
+        surface.bind(LeafProgram::Stamped, &mut steps);
         for (slot, buffer) in [
-            (VERTEX_SLOT, self.surface.vertices),
+            (VERTEX_SLOT, surface.vertices),
             (RECORD_SLOT, self.records),
             (COUNTER_SLOT, counter),
             (THRESHOLD_SLOT, threshold_buffer),
@@ -189,13 +171,12 @@ impl Shared for StampsShared {
             counter,
             offset: 0,
             scale: 8,
-            end: 4 * self.crown.sequence().record_count(),
+            end: 4 * model.crown.sequence().record_count(),
             instance: number,
             group: LEAF_GROUP,
         }));
         Ok(Box::new(StampsResident {
-            crown: Arc::clone(&self.crown),
-            gather: self.gather,
+            model: model.clone(),
             counter,
             threshold_buffer,
             steps,
@@ -218,8 +199,7 @@ fn thresholds(clusters: &Clusters, counts: &[u32]) -> Vec<u32> {
 
 #[derive(Debug)]
 struct StampsResident {
-    crown: Arc<Crown>,
-    gather: Gather,
+    model: Stamps,
     counter: BufferId,
     threshold_buffer: BufferId,
     steps: Vec<Step>,
@@ -235,7 +215,8 @@ impl Resident for StampsResident {
     }
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-        let clusters = self.crown.clusters();
+        let crown = Arc::clone(&self.model.crown);
+        let clusters = crown.clusters();
         let change = self.change_to(to);
         let mut words: Vec<(BufferId, u64, [u8; 4], Cause)> = Vec::new();
         let wanted = match to {
@@ -266,7 +247,7 @@ impl Resident for StampsResident {
                 cause: *cause,
             })
             .collect();
-        send(queue, self.gather, &regions)?;
+        send(queue, self.model.gather, &regions)?;
         self.state = to.clone();
         Ok(Change {
             host_records: words.len() as u64,
@@ -282,7 +263,7 @@ impl Resident for StampsResident {
 impl StampsResident {
     /// What the change means for the clusters; the model itself does not need to know.
     fn change_to(&self, to: &State) -> Change {
-        let clusters = self.crown.clusters();
+        let clusters = self.model.crown.clusters();
         let mut change = Change::default();
         for (before, after) in self
             .state
