@@ -38,6 +38,8 @@ unary! {
     log logf log_f64;
     /// The logarithm to base 2.
     log2 log2f log2_f64;
+    /// The logarithm to base 10.
+    log10 log10f log10_f64;
     /// The cube root.
     cbrt cbrtf cbrt_f64;
 }

@@ -1,5 +1,6 @@
 //! Images out and in: PNG for pictures, EXR for layers of data.
 
+use std::borrow::Cow;
 use std::io::{Cursor, Read as _};
 use std::path::Path;
 
@@ -129,6 +130,28 @@ impl Picture {
     /// As [`encode_png`].
     pub fn to_png(&self) -> Result<Vec<u8>, ReportError> {
         encode_png(self.width, self.height, &self.rgba)
+    }
+
+    /// The picture as a PNG file as small as it gets, for what is kept: without alpha where all of
+    /// it is opaque, and with the slowest of settings.
+    ///
+    /// # Errors
+    ///
+    /// None for a picture.
+    pub fn to_small_png(&self) -> Result<Vec<u8>, ReportError> {
+        let pixels = self.rgba.as_chunks::<4>().0;
+        let opaque = pixels.iter().all(|pixel| pixel[3] == 255);
+        let (bytes, format) = if opaque {
+            let rgb = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+            (Cow::Owned(rgb), ExtendedColorType::Rgb8)
+        } else {
+            (Cow::Borrowed(&self.rgba), ExtendedColorType::Rgba8)
+        };
+        let mut png = Vec::new();
+        PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
+            .write_image(&bytes, self.width, self.height, format)
+            .map_err(|error| refused("PNG", &error))?;
+        Ok(png)
     }
 }
 
@@ -291,6 +314,19 @@ mod tests {
             Digester::new("png").raw(&png).finish().to_string(),
             "107e0dc298ad9c8ffb4ccac71a7786219535f47245442c1d298b509d98f953bb"
         );
+    }
+
+    #[test]
+    fn small_png_files_say_the_same() {
+        let clear = example();
+        let solid = clear.rgba().as_chunks::<4>().0.iter();
+        let solid = solid.flat_map(|&[r, g, b, _]| [r, g, b, 255]).collect();
+        let solid = Picture::new(32, 24, solid).unwrap();
+        for (picture, colour_type) in [(clear, 6), (solid, 2)] {
+            let png = picture.to_small_png().unwrap();
+            assert_eq!(png[25], colour_type);
+            assert_eq!(Picture::decode(&png).unwrap(), picture);
+        }
     }
 
     #[test]

@@ -15,6 +15,7 @@
 //! not at all, and nothing is replaced that spinney did not write.
 
 mod axis;
+mod diff;
 mod folder;
 mod growing;
 mod html;
@@ -28,6 +29,7 @@ mod table;
 mod thumbnail;
 
 pub use axis::{Axis, Scale};
+pub use diff::{Difference, SizeMismatch, triptych};
 pub use folder::{MARKER, OutputFolder};
 pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
