@@ -23,11 +23,12 @@
 //!
 //! # The stages, in the order of the data
 //!
-//! [`scene`], [`plant`], [`simplify`], [`models`], [`gpu`], [`raster`], [`run`], [`report`], and
-//! [`cli`], the only one that prints. [`math`] and [`document`] serve all.
+//! [`scene`], [`plant`], [`simplify`], [`models`], [`gpu`], [`raster`], [`run`], [`report`],
+//! [`golden`], and [`cli`], the only one that prints. [`math`] and [`document`] serve all.
 
 pub mod cli;
 pub mod document;
+pub mod golden;
 pub mod gpu;
 pub mod math;
 pub mod models;

@@ -67,6 +67,8 @@ pub(super) enum Command {
     Inspect(InspectOptions),
     /// Generate a plant from a species file
     Grow(GrowOptions),
+    /// Compare scenes with what they showed when somebody last looked
+    Golden(GoldenOptions),
     /// Explain the commands, or the keys of scene or species files
     Help(HelpOptions),
 }
@@ -156,6 +158,25 @@ pub(super) struct GrowOptions {
     /// Seed of the individual
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct GoldenOptions {
+    #[command(subcommand)]
+    pub(super) command: GoldenCommand,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum GoldenCommand {
+    /// Print a line of digests for each scene: the same on every machine
+    Digests(GoldenDigestsOptions),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct GoldenDigestsOptions {
+    /// Folder of scenes
+    #[arg(default_value = "scenes")]
+    pub(super) folder: PathBuf,
 }
 
 #[derive(Debug, Args)]

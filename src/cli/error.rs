@@ -1,6 +1,7 @@
 //! What went wrong, and which exit code says so.
 
 use crate::document::DocumentError;
+use crate::golden::GoldenError;
 use crate::gpu::GpuError;
 use crate::plant::GrowError;
 use crate::plant::gltf::{ExportError, ImportError};
@@ -24,6 +25,8 @@ pub(super) enum CliError {
     #[error(transparent)]
     Run(#[from] RunError),
     #[error(transparent)]
+    Golden(#[from] GoldenError),
+    #[error(transparent)]
     Report(#[from] ReportError),
     #[error("{0}")]
     Usage(String),
@@ -36,6 +39,11 @@ impl CliError {
     pub(super) fn code(&self) -> u8 {
         match self {
             Self::Run(RunError::Gpu(GpuError::OutOfMemory { .. })) => 3,
+            Self::Golden(GoldenError::Run { source, .. })
+                if matches!(**source, RunError::Gpu(GpuError::OutOfMemory { .. })) =>
+            {
+                3
+            }
             Self::Report(error) if error.is_write() => 4,
             Self::Write { .. } => 4,
             Self::Scene(_)
@@ -44,6 +52,7 @@ impl CliError {
             | Self::Export(_)
             | Self::Grow { .. }
             | Self::Run(_)
+            | Self::Golden(_)
             | Self::Report(_)
             | Self::Usage(_) => 2,
         }

@@ -10,6 +10,7 @@
 
 mod arguments;
 mod error;
+mod golden;
 mod grow;
 mod inspect;
 mod prepare;
@@ -51,6 +52,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<(), CliError> 
         Command::Storage(options) => storage::storage(options, shared, terminal),
         Command::Inspect(options) => inspect::inspect(options, shared, terminal),
         Command::Grow(options) => grow::grow(options, shared, terminal),
+        Command::Golden(options) => golden::golden(options, shared, terminal),
         Command::Help(options) => match options.topic {
             Some(Topic::Scene) => terminal.print(&crate::scene::key_help()),
             Some(Topic::Species) => terminal.print(crate::plant::Species::HELP),

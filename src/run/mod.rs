@@ -8,12 +8,14 @@
 //! **Invariant.** What a frame shows and counts depends on the scene and the frame's number alone:
 //! every session commits every frame in order, also those that it does not draw.
 
+mod crowns;
 mod mass;
 mod progress;
 mod session;
 mod sweep;
 mod world;
 
+pub use crowns::CrownStore;
 pub use mass::{Mass, directions, mass};
 pub use progress::{Progress, Silent};
 pub use session::{Frame, Session, SessionOptions};

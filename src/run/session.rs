@@ -11,7 +11,7 @@ use crate::models::{
     Change, Criterion, Environment, Extent, Extraction, Gather, Kind, LEAF_GROUP, ModelOptions,
     Resident, Shared, State, Trunk, View, select,
 };
-use crate::raster::{Image, Options, Samples, decode_srgb};
+use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
 use crate::scene::{self, DetailKind, ImageSize, SampleCount, Scene};
 
 /// What a session takes beside its scene.
@@ -34,6 +34,19 @@ pub struct SessionOptions {
 }
 
 impl SessionOptions {
+    /// What the scene asks for, everything rasterized and counted: what references are made from.
+    ///
+    /// # Errors
+    ///
+    /// As [`of`](Self::of).
+    pub fn exact(scene: &Scene) -> Result<Self, RunError> {
+        let raster = Options {
+            tile: TileSize::Side64,
+            counters: Counters::Exact,
+        };
+        Self::of(scene, raster)
+    }
+
     /// What the scene asks for.
     ///
     /// # Errors

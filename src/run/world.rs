@@ -1,14 +1,14 @@
 //! What a scene shows, built offline: plants, their collapses, and where they stand.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::RunError;
+use super::crowns::CrownStore;
 use super::progress::Progress;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement};
-use crate::plant::gltf::{ImportOptions, import};
-use crate::plant::{Plant, Species, grow};
+use crate::plant::Plant;
 use crate::scene::{PlantSource, Scene, Tree};
 use crate::simplify::{CollapseSequence, LeafCollapseOptions, collapse_leaves};
 
@@ -41,6 +41,20 @@ impl World {
     ///
     /// When a species or plant file cannot be read or grown, or is not the one that the scene pins.
     pub fn build(scene: &Scene, folder: &Path, progress: &dyn Progress) -> Result<Self, RunError> {
+        Self::build_from(scene, folder, &CrownStore::default(), progress)
+    }
+
+    /// As [`build`](Self::build), with crowns that `store` keeps from other scenes.
+    ///
+    /// # Errors
+    ///
+    /// As [`build`](Self::build).
+    pub fn build_from(
+        scene: &Scene,
+        folder: &Path,
+        store: &CrownStore,
+        progress: &dyn Progress,
+    ) -> Result<Self, RunError> {
         let mut known: Vec<(&PlantSource, u64, usize)> = Vec::new();
         let mut world = Self {
             crowns: Vec::new(),
@@ -60,8 +74,9 @@ impl World {
             let crown = match found {
                 Some(&(_, _, crown)) => crown,
                 None => {
-                    let crown = build_crown(scene, tree, folder, &mut world.remarks)?;
-                    world.crowns.push(Arc::new(crown));
+                    let stop_leaves = scene.model.stop_leaves;
+                    let crown = store.crown(tree, folder, stop_leaves, &mut world.remarks)?;
+                    world.crowns.push(crown);
                     known.push((&tree.source, tree.seed, world.crowns.len() - 1));
                     progress.step();
                     world.crowns.len() - 1
@@ -90,39 +105,6 @@ fn same_plant(one: &Tree, other: &Tree) -> bool {
     one.source == other.source && one.seed == other.seed
 }
 
-fn build_crown(
-    scene: &Scene,
-    tree: &Tree,
-    folder: &Path,
-    remarks: &mut Vec<String>,
-) -> Result<Crown, RunError> {
-    let (plant, stop_leaves) = match &tree.source {
-        PlantSource::Species(path) => {
-            let species = Species::read(&join(folder, path))?;
-            let plant = grow(&species, tree.seed).map_err(|source| RunError::Grow {
-                species: path.clone(),
-                source,
-            })?;
-            (plant, species.stop_leaves)
-        }
-        PlantSource::File { path, foliage } => {
-            let options = ImportOptions {
-                foliage: foliage.clone(),
-            };
-            let imported = import(&join(folder, path), &options)?;
-            remarks.extend(
-                imported
-                    .report
-                    .entries
-                    .iter()
-                    .map(|entry| format!("{path}: {entry}")),
-            );
-            (imported.plant, None)
-        }
-    };
-    Ok(crown(plant, scene.model.stop_leaves.or(stop_leaves)))
-}
-
 /// The crown of a plant, collapsed until `stop_leaves` are left.
 ///
 /// Without a number, 1.35 % of the leaves are left, as on average in
@@ -145,11 +127,6 @@ fn untouched(leaves: u32) -> CollapseSequence {
     let corners = (0..leaves).map(|leaf| [0, 1, 2, 3].map(|role| 4 * leaf + role));
     CollapseSequence::new(leaves, corners.collect(), Vec::new())
         .expect("a record a leaf is all that a sequence without collapses needs")
-}
-
-/// A path of a scene, relative to its folder.
-fn join(folder: &Path, path: &str) -> PathBuf {
-    folder.join(path)
 }
 
 fn placement(tree: &Tree) -> Placement {

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use spinney::raster::Image;
 use spinney::report::Picture;
 
-use crate::digests::digests;
+use spinney::golden::{Goldens, KeptFrame, digest_text};
+use spinney::run::Silent;
+use spinney::scene::{Golden, Scene};
+
 use crate::picture::{Difference, compare, encode, triptych};
-use crate::scenes::{Drawn, GoldenScene, files_below, frame_name, names, path};
-use crate::table::table;
 
 /// The largest side of a reference, in pixels.
 const MAX_SIDE: u32 = 160;
@@ -23,27 +24,72 @@ const DIGESTS: &str = "digests.txt";
 
 /// Compares all that a scene keeps; tells everything that is wrong with it at once.
 pub(crate) fn check_scene(name: &str) {
-    let scene = GoldenScene::read(name);
-    let golden = scene.golden().expect("listed scenes have a [golden] table");
+    let golden = golden(name).expect("listed scenes have a [golden] table");
     let mut wrong = String::new();
-    for drawn in scene.draw() {
-        let table = table(&drawn.frame, &drawn.context);
-        check_picture(&drawn, golden.tolerance, &mut wrong);
-        check_text(&format!("{}.txt", drawn.name), &table, &mut wrong);
+    let frames = goldens().frames(name);
+    for kept in frames.unwrap_or_else(|error| panic!("{error}")) {
+        let frame = frame_name(name, kept.frame.frame);
+        check_picture(&frame, &kept, golden.tolerance, &mut wrong);
+        check_text(&format!("{frame}.txt"), &kept.table, &mut wrong);
     }
     finish(&wrong);
 }
 
+fn goldens() -> Goldens {
+    Goldens {
+        scenes: path("scenes/golden"),
+        references: path("golden"),
+    }
+}
+
+fn golden(name: &str) -> Option<Golden> {
+    let scene = Scene::read(&path("scenes/golden").join(format!("{name}.toml")));
+    scene.unwrap_or_else(|error| panic!("{error}")).golden
+}
+
+/// The name of a frame: `SUITE/NAME-FRAME`.
+fn frame_name(scene: &str, frame: u32) -> String {
+    format!("{scene}-{frame:04}")
+}
+
+/// The path of something in the package.
+fn path(below: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(below)
+}
+
+/// The names of all golden scenes, `SUITE/NAME`, in order.
+fn names() -> Vec<String> {
+    files_below(&path("scenes/golden"))
+        .iter()
+        .filter_map(|file| file.strip_suffix(".toml").map(str::to_owned))
+        .collect()
+}
+
+/// The files two levels below a folder as `FOLDER/FILE`, in order.
+fn files_below(folder: &Path) -> Vec<String> {
+    let entries = |folder: &Path| -> Vec<(String, PathBuf)> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten();
+        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        let name = |path: &Path| Some(path.file_name()?.to_str()?.to_owned());
+        paths
+            .filter_map(|path| Some((name(&path)?, path)))
+            .collect()
+    };
+    let mut files: Vec<String> = entries(folder)
+        .into_iter()
+        .flat_map(|(suite, path)| {
+            let files = entries(&path).into_iter();
+            files.map(move |(file, _)| format!("{suite}/{file}"))
+        })
+        .collect();
+    files.sort();
+    files
+}
+
 /// Compares `golden/digests.txt`.
 pub(crate) fn check_digests() {
-    let mut text = String::new();
-    digests(&mut |name, digests| {
-        text += name;
-        for digest in digests {
-            _ = write!(text, " {digest}");
-        }
-        text.push('\n');
-    });
+    let digests = goldens().digests(&Silent);
+    let text = digest_text(&digests.unwrap_or_else(|error| panic!("{error}")));
     let mut wrong = String::new();
     check_text(DIGESTS, &text, &mut wrong);
     finish(&wrong);
@@ -54,7 +100,7 @@ pub(crate) fn check_references(tested: &[&str]) {
     let mut wanted = BTreeSet::new();
     let mut untested = Vec::new();
     for name in names() {
-        if let Some(golden) = GoldenScene::read(&name).golden() {
+        if let Some(golden) = golden(&name) {
             for frame in &golden.frames {
                 let frame = frame_name(&name, *frame);
                 wanted.extend([format!("{frame}.png"), format!("{frame}.txt")]);
@@ -83,9 +129,9 @@ pub(crate) fn check_references(tested: &[&str]) {
     finish(&wrong);
 }
 
-fn check_picture(drawn: &Drawn, tolerance: u8, wrong: &mut String) {
-    let file = format!("{}.png", drawn.name);
-    let actual = &drawn.frame.image;
+fn check_picture(name: &str, kept: &KeptFrame, tolerance: u8, wrong: &mut String) {
+    let file = format!("{name}.png");
+    let actual = &kept.frame.image;
     let png = encode(actual);
     if actual.width.max(actual.height) > MAX_SIDE || png.len() > MAX_FILE_BYTES {
         let (width, height, bytes) = (actual.width, actual.height, png.len());

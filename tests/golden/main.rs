@@ -5,11 +5,8 @@
 //! wanted change, `BLESS=1 cargo test --test golden lodf` replaces the references of what it draws,
 //! and fails, so that nothing is blessed unseen.
 
-mod digests;
 mod harness;
 mod picture;
-mod scenes;
-mod table;
 
 /// A test for each scene, and the list of all.
 macro_rules! goldens {

@@ -1,28 +1,28 @@
-//! The ledger of a frame as a table in plain text: `NAME.txt`.
+//! The ledger of a frame as a table in plain text: `NAME-FRAME.txt`.
 //!
 //! Numbers are whole and written without separators, a fact a line, so that a difference of two
 //! tables reads as what became more or less.
 
 use std::fmt::Write as _;
 
-use spinney::gpu::{Ledger, Share, Stream, Traffic, nanoseconds};
-use spinney::math::{Digest, Digester};
-use spinney::run::Frame;
-use spinney::scene::{ImageSize, SampleCount};
+use crate::gpu::{Ledger, Share, Stream, Traffic, nanoseconds};
+use crate::math::{Digest, Digester};
+use crate::run::Frame;
+use crate::scene::{ImageSize, SampleCount};
 
 /// What a table tells beside its frame.
 #[derive(Debug)]
-pub(crate) struct Context {
+pub(super) struct Context {
     /// Pixels of the frame.
-    pub(crate) size: ImageSize,
+    pub(super) size: ImageSize,
     /// Samples a pixel.
-    pub(crate) samples: SampleCount,
+    pub(super) samples: SampleCount,
     /// What was sent before the first frame.
-    pub(crate) initial: Ledger,
+    pub(super) initial: Ledger,
 }
 
 /// The table of a frame.
-pub(crate) fn table(frame: &Frame, context: &Context) -> String {
+pub(super) fn table(frame: &Frame, context: &Context) -> String {
     let ledger = &frame.ledger;
     let (width, height) = (context.size.width(), context.size.height());
     let mut text = format!(

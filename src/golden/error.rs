@@ -1,0 +1,53 @@
+//! Why nothing can be said about goldens at all.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::run::RunError;
+use crate::scene::SceneError;
+
+/// Why scenes cannot be drawn, or references not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GoldenError {
+    /// A folder cannot be read.
+    #[error("{}: cannot read: {cause}", folder.display())]
+    Read {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        #[source]
+        cause: io::Error,
+    },
+    /// Folders lie in each other too deep.
+    #[error("{}: folders within folders, wanted at most {limit}", folder.display())]
+    Deep {
+        /// The folder at which the search gave up.
+        folder: PathBuf,
+        /// How deep folders may lie.
+        limit: usize,
+    },
+    /// A file has a name that no report could show.
+    #[error("{}: a name of text without control characters is wanted", file.display())]
+    Name {
+        /// The file.
+        file: PathBuf,
+    },
+    /// There is nothing to draw.
+    #[error("{}: no scene in this folder, wanted TOML files that begin with schema = \"{}\"", folder.display(), crate::scene::SCHEMA)]
+    NoScene {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A scene file says something wrong.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A scene cannot be drawn.
+    #[error("{}: {source}", file.display())]
+    Run {
+        /// The scene file.
+        file: PathBuf,
+        /// Why.
+        source: Box<RunError>,
+    },
+}

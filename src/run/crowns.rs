@@ -1,0 +1,184 @@
+//! Crowns that several scenes share: equal plants are grown and collapsed once.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+
+use super::RunError;
+use super::world::crown;
+use crate::document::Document;
+use crate::math::{Digest, Digester};
+use crate::models::Crown;
+use crate::plant::gltf::{ImportOptions, import};
+use crate::plant::{Plant, Species, grow};
+use crate::scene::{PlantSource, Tree};
+
+/// Crowns that were built already, for scenes that show the same plants.
+///
+/// A crown is known by what decides it, the text of its species file or the plant that was imported,
+/// not by the file's name: a file that changes meanwhile gives another crown.
+#[derive(Debug, Default)]
+pub struct CrownStore {
+    /// The one that was used last stands last.
+    kept: Mutex<Kept>,
+}
+
+type Kept = Vec<(Key, Arc<Crown>)>;
+
+/// What decides a crown.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Key {
+    plant: PlantKey,
+    stop_leaves: Option<u32>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum PlantKey {
+    Grown { species: Digest, seed: u64 },
+    Imported { name: String, plant: Digest },
+}
+
+impl CrownStore {
+    /// The most leaves that are kept, over all crowns; those that were not used for longest go
+    /// first. A leaf takes some hundred bytes, so this trades up to about half a GiB for time.
+    pub const MAX_LEAVES: usize = 1 << 20;
+
+    /// A store that keeps nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            kept: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// The crown of a tree of a scene, built or as it was built before; what an importer has to say
+    /// is added to `remarks`.
+    pub(super) fn crown(
+        &self,
+        tree: &Tree,
+        folder: &Path,
+        stop_leaves: Option<u32>,
+        remarks: &mut Vec<String>,
+    ) -> Result<Arc<Crown>, RunError> {
+        match &tree.source {
+            PlantSource::Species(path) => {
+                let document = Document::read(&folder.join(path))?;
+                let plant = PlantKey::Grown {
+                    species: Digester::plain().raw(document.text.as_bytes()).finish(),
+                    seed: tree.seed,
+                };
+                self.kept_or_built(Key { plant, stop_leaves }, || {
+                    let species = Species::parse(&document)?;
+                    let plant = grow(&species, tree.seed).map_err(|source| RunError::Grow {
+                        species: path.clone(),
+                        source,
+                    })?;
+                    Ok((plant, species.stop_leaves))
+                })
+            }
+            PlantSource::File { path, foliage } => {
+                let options = ImportOptions {
+                    foliage: foliage.clone(),
+                };
+                let imported = import(&folder.join(path), &options)?;
+                let entries = imported.report.entries.iter();
+                remarks.extend(entries.map(|entry| format!("{path}: {entry}")));
+                let plant = PlantKey::Imported {
+                    name: imported.plant.name().to_owned(),
+                    plant: imported.plant.digest(),
+                };
+                self.kept_or_built(Key { plant, stop_leaves }, || Ok((imported.plant, None)))
+            }
+        }
+    }
+
+    /// The crown of a key; `plant` makes its plant, and says where to stop without a number.
+    fn kept_or_built(
+        &self,
+        key: Key,
+        plant: impl FnOnce() -> Result<(Plant, Option<u32>), RunError>,
+    ) -> Result<Arc<Crown>, RunError> {
+        let built = || -> Result<Arc<Crown>, RunError> {
+            let (plant, usual) = plant()?;
+            Ok(Arc::new(crown(plant, key.stop_leaves.or(usual))))
+        };
+        // Held while building, so that nobody builds the same.
+        let Some(mut kept) = self.lock() else {
+            return built();
+        };
+        let crown = match kept.iter().position(|(known, _)| *known == key) {
+            Some(index) => kept.remove(index).1,
+            None => built()?,
+        };
+        kept.push((key, Arc::clone(&crown)));
+        let leaves = |crown: &Crown| crown.sequence().original_count() as usize;
+        let mut sum: usize = kept.iter().map(|(_, crown)| leaves(crown)).sum();
+        let mut first = 0;
+        while sum > Self::MAX_LEAVES && first + 1 < kept.len() {
+            sum -= leaves(&kept[first].1);
+            first += 1;
+        }
+        kept.drain(..first);
+        Ok(crown)
+    }
+
+    /// Waits for others; but not within a pool of threads, where the wait could be for work that the
+    /// same thread has begun: then `None`, if somebody builds.
+    fn lock(&self) -> Option<MutexGuard<'_, Kept>> {
+        if rayon::current_thread_index().is_none() {
+            return Some(self.kept.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+        match self.kept.try_lock() {
+            Ok(kept) => Some(kept),
+            Err(TryLockError::Poisoned(broken)) => Some(broken.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    fn tree(path: &str, seed: u64) -> Tree {
+        Tree {
+            source: PlantSource::Species(path.to_owned()),
+            seed,
+            at: Vec3::ZERO,
+            turn: 0.0,
+            scale: 1.0,
+            plant_digest: None,
+        }
+    }
+
+    #[test]
+    fn what_decides_a_crown_is_not_the_files_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = |leaves: u32| {
+            format!(
+                "schema = \"spinney.species/1\"\nname = \"broom\"\nleaf_count = {leaves}\nstop_leaves = 2\n"
+            )
+        };
+        let put = |name: &str, leaves| {
+            std::fs::write(folder.path().join(name), text(leaves)).unwrap();
+        };
+        put("a.toml", 20);
+        put("b.toml", 20);
+        let store = CrownStore::default();
+        let get = |name, seed, stop| {
+            let mut remarks = Vec::new();
+            let crown = store.crown(&tree(name, seed), folder.path(), stop, &mut remarks);
+            crown.unwrap()
+        };
+        let first = get("a.toml", 1, None);
+        assert!(Arc::ptr_eq(&first, &get("b.toml", 1, None)));
+        assert!(!Arc::ptr_eq(&first, &get("a.toml", 2, None)));
+        assert!(!Arc::ptr_eq(&first, &get("a.toml", 1, Some(3))));
+        put("a.toml", 30);
+        assert_ne!(
+            get("a.toml", 1, None).sequence().original_count(),
+            first.sequence().original_count()
+        );
+        assert!(Arc::ptr_eq(&first, &get("b.toml", 1, None)));
+    }
+}
