@@ -68,7 +68,19 @@ impl Picture {
             let limit = Self::MAX_FILE_BYTES;
             return Err(fail(format!("larger than {limit} bytes")));
         }
-        Self::decode(&bytes).map_err(fail)
+        Self::from_png(path, &bytes)
+    }
+
+    /// Reads a PNG file that is in memory already; `file` names it in errors.
+    ///
+    /// # Errors
+    ///
+    /// As [`Picture::read`], once the file is read.
+    pub fn from_png(file: &Path, bytes: &[u8]) -> Result<Self, ReportError> {
+        Self::decode(bytes).map_err(|message| ReportError::Image {
+            file: file.to_owned(),
+            message,
+        })
     }
 
     /// Decodes a PNG; says what is wrong with it.

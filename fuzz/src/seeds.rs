@@ -1,0 +1,254 @@
+//! The seed corpus: files of our own, each made from nothing or from `scenes/`, the same every time.
+
+mod gltf;
+mod png;
+
+use std::path::{Path, PathBuf};
+
+use spinney::document::Document;
+use spinney::plant::gltf::export_glb;
+use spinney::plant::{Silhouette, Species, grow};
+
+/// The seeds of a target: names and bytes.
+///
+/// # Panics
+///
+/// When there is no such target, or `scenes/` cannot be read.
+#[must_use]
+pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
+    match target {
+        "gltf" => plants(),
+        "image" => png::images(),
+        "ops" => ops(),
+        "scene" => scenes(),
+        "species" => species(),
+        _ => panic!("no target {target}"),
+    }
+}
+
+fn named(seeds: &[(&str, &str)]) -> Vec<(String, Vec<u8>)> {
+    let seed = |(name, text): &(&str, &str)| ((*name).to_owned(), text.as_bytes().to_vec());
+    seeds.iter().map(seed).collect()
+}
+
+/// All scenes that are shipped, and one with every key.
+fn scenes() -> Vec<(String, Vec<u8>)> {
+    let mut seeds = files("scenes", &["species"]);
+    seeds.extend(named(&[
+        ("every_key", EVERY_KEY),
+        ("empty", ""),
+        ("bom", "\u{feff}schema = 1\r\n"),
+    ]));
+    seeds
+}
+
+/// All species that are shipped, and two small ones.
+fn species() -> Vec<(String, Vec<u8>)> {
+    let mut seeds = files("scenes/species", &[]);
+    let every = Silhouette::ALL.map(|kind| {
+        format!(
+            "[[foliage]]\nsilhouette = \"{}\"\nlength = 0.1\n",
+            kind.name()
+        )
+    });
+    let head = "schema = \"spinney.species/1\"\nname = \"all\"\n";
+    seeds.extend(named(&[
+        ("bush", crate::species::BUSH),
+        ("all", &format!("{head}{}", every[..16].concat())),
+    ]));
+    seeds
+}
+
+/// States of two trees over some frames.
+fn ops() -> Vec<(String, Vec<u8>)> {
+    named(&[
+        (
+            "uniform",
+            "{\"frame\":0,\"trees\":[{\"tree\":0,\"uniform\":9},{\"tree\":1,\"uniform\":0}]}\n\
+            {\"frame\":1,\"trees\":[{\"tree\":1,\"uniform\":55}]}\n{\"frame\":2,\"trees\":[]}\n",
+        ),
+        (
+            "variable",
+            "{\"frame\":0,\"trees\":[{\"tree\":0,\"variable\":[[0,1],[3,1]]},\
+            {\"tree\":1,\"uniform\":3}]}\n\
+            {\"frame\":7,\"trees\":[{\"tree\":0,\"variable\":[[0,0]]},{\"tree\":1,\"variable\":[]}]}\n",
+        ),
+        (
+            "wrong",
+            "{\"frame\":0,\"trees\":[{\"tree\":0,\"uniform\":56}]}\n{}\n[]\nnull\n{\"frame\":-1}\n",
+        ),
+    ])
+}
+
+/// A plant that spinney wrote, and what other programs write.
+fn plants() -> Vec<(String, Vec<u8>)> {
+    let document = Document {
+        file: "bush.toml".to_owned(),
+        text: crate::species::BUSH.to_owned(),
+    };
+    let species = Species::parse(&document).expect("our own");
+    let own = export_glb(&grow(&species, 1).expect("our own")).expect("small");
+    let mut seeds = gltf::foreign();
+    seeds.push(("own_split".to_owned(), split(&own)));
+    seeds.push(("own".to_owned(), own));
+    seeds
+}
+
+/// Document and binary chunk of a `.glb`, with a NUL byte between.
+fn split(glb: &[u8]) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().expect("four bytes"));
+    let end = 20 + usize::try_from(length).expect("small");
+    [glb[20..end].trim_ascii_end(), b"\0", &glb[end + 8..]].concat()
+}
+
+/// The TOML files below a folder of the repository, without some folders.
+fn files(folder: &str, without: &[&str]) -> Vec<(String, Vec<u8>)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .join(folder);
+    let mut paths = Vec::new();
+    collect(&root, without, &mut paths);
+    paths.sort();
+    paths
+        .iter()
+        .map(|path| {
+            let name = path.strip_prefix(&root).expect("found below it");
+            let name = name.to_string_lossy().replace(['/', '\\'], "_");
+            (name, std::fs::read(path).expect("a file"))
+        })
+        .collect()
+}
+
+fn collect(folder: &Path, without: &[&str], paths: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder of the repository") {
+        let path = entry.expect("an entry").path();
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        if path.is_dir() && !without.contains(&name.as_str()) {
+            collect(&path, without, paths);
+        } else if name.ends_with(".toml") {
+            paths.push(path);
+        }
+    }
+}
+
+/// A scene that says everything a scene can say, in several spellings of TOML.
+const EVERY_KEY: &str = r##"schema = "spinney.scene/1"
+name = "every"
+size = [64, 0x30]
+samples = 4
+frames = 10
+seed = 18_446_744_073
+background = '#102030'
+light = { direction = [0.0, 1, 0], color = [1.0, 1.0, 1.0], ambient = [0, 0, 0] }
+[[tree]]
+species = "a/b.toml"
+seed = 7
+at = [1.5, -2e1, 3.0]
+turn = -90
+scale = 2.5
+plant_digest = "0000000000000000000000000000000000000000000000000000000000000001"
+[[tree]]
+file = """oak.glb"""
+foliage = ["leaf", "M#0"]
+[camera]
+projection = "orthographic"
+height = 12.0
+near = 0.5
+far = 200.0
+[[camera.path]]
+eye = [0.0, 2.0, 10.0]
+target = [0.0, 2.0, 0.0]
+[[camera.path]]
+frame = 9
+eye = [0.0, 9.0, 0.0]
+target = [0.0, 0.0, 0.0]
+[model]
+name = "lodf"
+mode = "slots"
+detail = "variable"
+d_min = 1
+d_max = 9.5
+extraction = "single"
+gather = "regions"
+stop_leaves = 4
+level = 0.25
+[device]
+memory = "64 MiB"
+link = "agp4x"
+card = "gtx770"
+[golden]
+size = [32, 24]
+frames = [0, 3, 9]
+tolerance = 2
+reason = "none"
+"##;
+
+/// The words of a target's language, for the fuzzer to put together.
+///
+/// # Panics
+///
+/// When there is no such target.
+#[must_use]
+pub fn words(target: &str) -> Vec<String> {
+    let list = |text: &str| text.split_whitespace().map(str::to_owned).collect();
+    match target {
+        "gltf" => {
+            let mut words: Vec<String> = list(GLTF_KEYS);
+            words
+                .iter_mut()
+                .for_each(|word| *word = format!("\"{word}\""));
+            words.extend(list(GLTF_VALUES));
+            words
+        }
+        "image" => list(
+            "IHDR PLTE tRNS IDAT IEND gAMA sRGB iCCP cHRM pHYs tEXt zTXt iTXt fcTL fdAT acTL bKGD",
+        ),
+        "ops" => list(
+            "\"frame\":0 \"trees\":[] {\"tree\":0} \"uniform\":1 \"variable\":[[0,1]] 4294967295 -1 1e9 null",
+        ),
+        "scene" => {
+            let tail = |key: &spinney::scene::Key| {
+                let tail = key.path.rsplit(['.', ']']).next().unwrap_or_default();
+                format!("{tail} = ")
+            };
+            let mut words: Vec<String> = spinney::scene::KEYS.iter().map(tail).collect();
+            words.extend(list(TOML_VALUES));
+            words.extend(list("[[tree]] [camera] [light] [model] [device] [golden] [[camera.path]] \"lodf\" \"full\" \"vdf\" \"host\" \"stamps\" \"literal\" \"indices\" \"resident\" \"variable\" \"MiB\""));
+            words.sort();
+            words.dedup();
+            words
+        }
+        "species" => {
+            // The first cell of every row of the table of keys.
+            let key = |line: &str| {
+                let key = line.strip_prefix("| `")?.split('`').next()?;
+                Some(format!("{} = ", key.rsplit('.').next()?))
+            };
+            let mut words: Vec<String> = Species::HELP.lines().filter_map(key).collect();
+            words.extend(list(TOML_VALUES));
+            words.extend(list("[crown] [clump] [wood] [stems] [leaves] [[foliage]] \"envelope\" \"#102030\" [0,0,0,0]"));
+            words
+        }
+        _ => panic!("no target {target}"),
+    }
+}
+
+const TOML_VALUES: &str = "nan inf -inf 1e39 -0.0 1e-45 0x7fffffffffffffff 9223372036854775807 \
+    4294967296 -1 \"\"\" ''' [[ ]] {} [] true 1979-05-27T07:32:00Z \\u0000 \\UFFFFFFFF \\e # \\r";
+
+const GLTF_KEYS: &str = "accessors bufferViews buffers byteLength byteOffset byteStride bufferView \
+    componentType count type normalized sparse indices values min max attributes POSITION NORMAL \
+    TEXCOORD_0 TEXCOORD_1 TANGENT COLOR_0 mode material materials meshes mesh primitives nodes \
+    children matrix translation rotation scale scenes scene images textures source sampler uri \
+    mimeType alphaMode alphaCutoff doubleSided pbrMetallicRoughness baseColorFactor \
+    baseColorTexture texCoord index extensions extensionsUsed extensionsRequired extras asset \
+    version minVersion spinney skeleton trunk groups owners prototype numbers triangles hidden \
+    digest leaves node name targets weights skins joints animations cameras";
+
+const GLTF_VALUES: &str = "5120 5121 5122 5123 5125 5126 \"SCALAR\" \"VEC2\" \"VEC3\" \"VEC4\" \
+    \"MAT4\" \"MASK\" \"BLEND\" \"OPAQUE\" 4294967295 4294967296 18446744073709551615 -1 1e39 1e-45 \
+    null [] {} [0,0,0] \"image/png\" \"KHR_mesh_quantization\" data:;base64, AAAA";
