@@ -29,7 +29,7 @@ mod table;
 mod thumbnail;
 
 pub use axis::{Axis, Scale};
-pub use diff::{Difference, SizeMismatch, triptych};
+pub use diff::{Difference, Flip, SizeMismatch, flip, ssim, triptych};
 pub use folder::{MARKER, OutputFolder};
 pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};

@@ -190,7 +190,7 @@ pub(super) fn apart(one: [u8; 4], other: [u8; 4]) -> [u8; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::grey;
+    use super::super::tests::{example, grey, variant};
     use super::*;
 
     #[test]
@@ -258,5 +258,25 @@ mod tests {
         let wide = Picture::new(6, 1, grey(0, 100).rgba().to_vec()).unwrap();
         let error = Difference::between(&grey(0, 100), &wide, 255).unwrap_err();
         assert_eq!(error.to_string(), "6 × 1 pixels, expected 3 × 2");
+    }
+
+    /// scikit-image 0.26.0, `peak_signal_noise_ratio(…, data_range=255)` of R, G, B.
+    #[test]
+    fn psnr_is_that_of_another_program() {
+        for (name, wanted) in [
+            ("offset", 28.130_803_608_7),
+            ("noise", 28.525_132_815_0),
+            ("shift", 20.339_650_823_8),
+            ("spots", 25.085_679_546_6),
+            ("one", 43.050_857_736_8),
+            ("inverse", 7.962_280_153_1),
+        ] {
+            let found = Difference::between(&example(), &variant(name), 0).unwrap();
+            assert!(
+                (found.psnr() - wanted).abs() < 1e-9,
+                "{name}: {}",
+                found.psnr()
+            );
+        }
     }
 }
