@@ -213,7 +213,7 @@ fn check_replaceable(target: &Path) -> Result<(), ReportError> {
 }
 
 /// All files, and all links as files, below a folder, sorted; what lies too deep counts as a file.
-fn files_below(folder: &Path) -> io::Result<BTreeSet<String>> {
+pub(super) fn files_below(folder: &Path) -> io::Result<BTreeSet<String>> {
     let mut files = BTreeSet::new();
     find_below(folder, "", 1, &mut |file| {
         files.insert(file.to_owned());

@@ -14,6 +14,9 @@ use image::{DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as 
 
 use super::ReportError;
 
+/// How PNG files begin.
+pub(super) const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+
 /// A picture: sRGB colour with straight alpha, 8 bits a channel, rows top-down.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Picture {
@@ -54,21 +57,7 @@ impl Picture {
     /// When the file cannot be read, is no such PNG, or exceeds the limits. With 16 bits a channel
     /// it is refused, since rounding could hide a difference.
     pub fn read(path: &Path) -> Result<Self, ReportError> {
-        let fail = |message: String| ReportError::Image {
-            file: path.to_owned(),
-            message,
-        };
-        let file =
-            std::fs::File::open(path).map_err(|error| fail(format!("cannot read: {error}")))?;
-        let mut bytes = Vec::new();
-        file.take(Self::MAX_FILE_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(|error| fail(format!("cannot read: {error}")))?;
-        if bytes.len() as u64 > Self::MAX_FILE_BYTES {
-            let limit = Self::MAX_FILE_BYTES;
-            return Err(fail(format!("larger than {limit} bytes")));
-        }
-        Self::from_png(path, &bytes)
+        Self::from_png(path, &read_file(path)?)
     }
 
     /// Reads a PNG file that is in memory already; `file` names it in errors.
@@ -77,42 +66,20 @@ impl Picture {
     ///
     /// As [`Picture::read`], once the file is read.
     pub fn from_png(file: &Path, bytes: &[u8]) -> Result<Self, ReportError> {
-        Self::decode(bytes).map_err(|message| ReportError::Image {
-            file: file.to_owned(),
-            message,
-        })
+        Self::decode(bytes).map_err(|message| wrong_image(file, message))
     }
 
-    /// Decodes a PNG; says what is wrong with it.
+    /// Decodes a PNG of up to 8 bits a channel; says what is wrong with it.
     fn decode(bytes: &[u8]) -> Result<Self, String> {
-        if !bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
-            return Err("no PNG file".to_owned());
-        }
-        let mut limits = Limits::no_limits();
-        limits.max_image_width = Some(Self::MAX_SIDE);
-        limits.max_image_height = Some(Self::MAX_SIDE);
-        // Of the decoder's own buffers; the picture is checked below.
-        limits.max_alloc = Some(u64::from(Self::MAX_PIXELS) * 8);
-        let wrong = |error: image::ImageError| format!("no sound PNG file: {error}");
-        let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(wrong)?;
-        let (width, height) = decoder.dimensions();
-        let pixels = u64::from(width) * u64::from(height);
-        if pixels > u64::from(Self::MAX_PIXELS) {
-            let limit = Self::MAX_PIXELS;
-            return Err(format!(
-                "{width} × {height} pixels exceed the limit of {limit}"
-            ));
-        }
-        let color = decoder.color_type();
-        if color.bytes_per_pixel() != color.channel_count() {
+        let decoder = open_png(bytes)?;
+        if is_deep(&decoder) {
             return Err("16 bits a channel, wanted 8".to_owned());
         }
-        let rgba = DynamicImage::from_decoder(decoder)
-            .map_err(wrong)?
-            .into_rgba8();
+        let image = DynamicImage::from_decoder(decoder).map_err(|error| unsound("PNG", &error))?;
+        let rgba = image.into_rgba8();
         Ok(Self {
-            width,
-            height,
+            width: rgba.width(),
+            height: rgba.height(),
             rgba: rgba.into_raw(),
         })
     }
@@ -165,6 +132,61 @@ impl Picture {
             .map_err(|error| refused("PNG", &error))?;
         Ok(png)
     }
+}
+
+/// An image file as bytes, if it is not too large.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, ReportError> {
+    let fail = |error: std::io::Error| wrong_image(path, format!("cannot read: {error}"));
+    let file = std::fs::File::open(path).map_err(fail)?;
+    let mut bytes = Vec::new();
+    file.take(Picture::MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(fail)?;
+    if bytes.len() as u64 > Picture::MAX_FILE_BYTES {
+        let limit = Picture::MAX_FILE_BYTES;
+        return Err(wrong_image(path, format!("larger than {limit} bytes")));
+    }
+    Ok(bytes)
+}
+
+pub(super) fn wrong_image(path: &Path, message: String) -> ReportError {
+    ReportError::Image {
+        file: path.to_owned(),
+        message,
+    }
+}
+
+pub(super) fn unsound(format: &str, error: &dyn std::fmt::Display) -> String {
+    format!("no sound {format} file: {error}")
+}
+
+/// A decoder for a PNG file whose pixels are not too many; says what is wrong with it.
+pub(super) fn open_png(bytes: &[u8]) -> Result<PngDecoder<Cursor<&[u8]>>, String> {
+    if !bytes.starts_with(PNG_SIGNATURE) {
+        return Err("no PNG file".to_owned());
+    }
+    let mut limits = Limits::no_limits();
+    limits.max_image_width = Some(Picture::MAX_SIDE);
+    limits.max_image_height = Some(Picture::MAX_SIDE);
+    // Of the decoder's own buffers; the picture is checked below.
+    limits.max_alloc = Some(u64::from(Picture::MAX_PIXELS) * 8);
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits)
+        .map_err(|error| unsound("PNG", &error))?;
+    let (width, height) = decoder.dimensions();
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > u64::from(Picture::MAX_PIXELS) {
+        let limit = Picture::MAX_PIXELS;
+        return Err(format!(
+            "{width} × {height} pixels exceed the limit of {limit}"
+        ));
+    }
+    Ok(decoder)
+}
+
+/// Whether a PNG file has 16 bits a channel.
+pub(super) fn is_deep(decoder: &PngDecoder<Cursor<&[u8]>>) -> bool {
+    let colour = decoder.color_type();
+    colour.bytes_per_pixel() != colour.channel_count()
 }
 
 impl std::fmt::Debug for Picture {

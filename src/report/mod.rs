@@ -15,6 +15,7 @@
 //! not at all, and nothing is replaced that spinney did not write.
 
 mod axis;
+mod channels;
 mod diff;
 mod folder;
 mod growing;
@@ -29,7 +30,12 @@ mod table;
 mod thumbnail;
 
 pub use axis::{Axis, Scale};
-pub use diff::{Difference, Flip, SizeMismatch, flip, ssim, triptych};
+pub use channels::{Channel, ImageFile, SampleKind};
+pub use diff::{
+    ChannelDifference, ChannelDifferences, Difference, FieldDifference, FileDifference, FileState,
+    Flip, FrameDifference, ImageDifference, LookDifference, Metrics, RunDifference, SizeMismatch,
+    flip, ssim, triptych,
+};
 pub use folder::{MARKER, OutputFolder};
 pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
@@ -97,6 +103,14 @@ pub enum ReportError {
         /// The file.
         file: PathBuf,
         /// What is wrong with it, and what would be right.
+        message: String,
+    },
+    /// A folder does not hold a run: a fault of the input.
+    #[error("{}: no whole run folder: {message}", folder.display())]
+    Run {
+        /// The folder.
+        folder: PathBuf,
+        /// What is missing or wrong.
         message: String,
     },
     /// A layer of an EXR file has a name that no channel can have, or one that another has.

@@ -9,15 +9,23 @@
 //! **Invariant.** What is found is a function of the two things compared: sums are taken in the
 //! order of pixels, whatever the number of threads.
 
+mod channels;
 mod colour;
 mod difference;
+mod fields;
 mod filter;
 mod flip;
+mod image;
+mod run;
 mod ssim;
 mod triptych;
 
+pub use channels::{ChannelDifference, ChannelDifferences};
 pub use difference::{Difference, SizeMismatch};
+pub use fields::FieldDifference;
 pub use flip::{Flip, flip};
+pub use image::{ImageDifference, LookDifference, Metrics};
+pub use run::{FileDifference, FileState, FrameDifference, RunDifference};
 pub use ssim::ssim;
 pub use triptych::triptych;
 
