@@ -45,6 +45,7 @@ impl CliError {
                 3
             }
             Self::Report(error) if error.is_write() => 4,
+            Self::Golden(error) if error.is_write() => 4,
             Self::Write { .. } => 4,
             Self::Scene(_)
             | Self::Document(_)

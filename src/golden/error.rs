@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::report::ReportError;
 use crate::run::RunError;
 use crate::scene::SceneError;
 
@@ -39,6 +40,26 @@ pub enum GoldenError {
         /// The folder.
         folder: PathBuf,
     },
+    /// There is nothing to compare.
+    #[error("{}: no scene in this folder has a [golden] table{}", folder.display(), among(only.as_deref()))]
+    NothingKept {
+        /// The folder.
+        folder: PathBuf,
+        /// What names of scenes had to have in them.
+        only: Option<String>,
+    },
+    /// A reference cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A reference cannot be removed.
+    #[error("{}: cannot remove: {cause}", file.display())]
+    Remove {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        #[source]
+        cause: io::Error,
+    },
     /// A scene file says something wrong.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -50,4 +71,20 @@ pub enum GoldenError {
         /// Why.
         source: Box<RunError>,
     },
+}
+
+fn among(only: Option<&str>) -> String {
+    only.map_or(String::new(), |only| format!(" and {only:?} in its name"))
+}
+
+impl GoldenError {
+    /// Whether the output cannot be written, as opposed to a fault of the input.
+    #[must_use]
+    pub fn is_write(&self) -> bool {
+        match self {
+            Self::Report(error) => error.is_write(),
+            Self::Remove { .. } => true,
+            _ => false,
+        }
+    }
 }

@@ -1,25 +1,43 @@
 //! References: what scenes showed and cost when somebody last looked, kept beside them.
 //!
 //! ```text
-//! scenes/**/*.toml ─find─▶ scenes ─draw─▶ pictures, ledgers' tables ──▶ digests
+//! scenes/**/*.toml ─find─▶ scenes ─draw─▶ frames, digests ─┬─compare─▶ Outcome ─▶ page, JUnit, …
+//!                                                          │
+//! golden/**/*.png, *.txt, digests.txt ─────────────────────┴─bless───▶ golden/
 //! ```
 //!
 //! A scene `NAME.toml` anywhere below the folder of scenes, with a `[golden]` table, keeps the frames
 //! that the table lists as `NAME-FRAME.png` and `NAME-FRAME.txt` at the same place below the folder
-//! of references, the frame's number with four digits. All counters are exact.
+//! of references, the frame's number with four digits. All counters are exact. A line for each scene,
+//! with or without that table, can be kept in `digests.txt`.
 //!
 //! **Invariant.** What is drawn depends on the scene files and what they name, never on the order,
 //! number or company of the scenes.
 
+mod assert;
+mod bless;
+mod change;
+mod check;
+mod compare;
 mod digests;
 mod draw;
 mod error;
 mod find;
+mod lines;
+mod outcome;
+mod reference;
 mod table;
 
+pub use assert::{TEST_FOLDER, assert_scene};
+pub use bless::{Blessing, Deed};
+pub use change::Change;
 pub use digests::{SceneDigests, digest_text};
 pub use draw::KeptFrame;
 pub use error::GoldenError;
+pub use outcome::{
+    Case, CaseOutcome, Counts, Evidence, Finding, FindingKind, Outcome, SceneOutcome,
+};
+pub use reference::{MAX_FILE_BYTES, MAX_SIDE};
 
 use std::path::PathBuf;
 
@@ -34,6 +52,27 @@ pub struct Goldens {
     pub references: PathBuf,
 }
 
+/// Which scenes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Selection {
+    /// Only those that have this in their names: paths below the folder of scenes, without ending.
+    pub only: Option<String>,
+}
+
+impl Selection {
+    /// All.
+    pub const ALL: Self = Self { only: None };
+}
+
+/// What blessing does with references that no scene keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unused {
+    /// They stay.
+    Keep,
+    /// They are removed.
+    Remove,
+}
+
 impl Default for Goldens {
     /// `scenes` and `golden`.
     fn default() -> Self {
@@ -45,22 +84,6 @@ impl Default for Goldens {
 }
 
 impl Goldens {
-    /// Draws the frames that a scene keeps, those of its `[golden]` table or else all; `name` is its
-    /// path below the folder of scenes, without its ending.
-    ///
-    /// Plants are grown once a process.
-    ///
-    /// # Errors
-    ///
-    /// When the scene is wrong or cannot be drawn.
-    pub fn frames(&self, name: &str) -> Result<Vec<KeptFrame>, GoldenError> {
-        static CROWNS: CrownStore = CrownStore::new();
-        let scene = find::FoundScene::named(&self.scenes, name).read()?;
-        let mut frames = Vec::new();
-        draw::draw(&scene, &CROWNS, &mut |frame| frames.push(frame))?;
-        Ok(frames)
-    }
-
     /// Digests of everything that must be the same on every machine, one a scene, in the order of
     /// names: also of scenes without a `[golden]` table, whose frames are all drawn at their own size.
     ///

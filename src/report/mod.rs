@@ -17,6 +17,7 @@
 mod axis;
 mod channels;
 mod diff;
+mod file;
 mod folder;
 mod growing;
 mod html;
@@ -36,6 +37,7 @@ pub use diff::{
     Flip, FrameDifference, ImageDifference, LookDifference, Metrics, RunDifference, SizeMismatch,
     flip, ssim, triptych,
 };
+pub use file::write_file;
 pub use folder::{MARKER, OutputFolder};
 pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};

@@ -1,12 +1,16 @@
 //! The list of goldens, by suite.
 //!
 //! Each is a scene `scenes/golden/SUITE/NAME.toml`; its `[golden]` table says which frames are
-//! compared, how large they are, and the tolerance with its reason, where one is needed. After a
-//! wanted change, `BLESS=1 cargo test --test golden lodf` replaces the references of what it draws,
-//! and fails, so that nothing is blessed unseen.
+//! compared, how large they are, and the tolerance with its reason, where one is needed. Scenes
+//! without the table are kept as digests. After a wanted change,
+//! `cargo run --release -- golden bless scenes/golden --only lodf` replaces the references that
+//! differ, and says by how much.
 
-mod harness;
-mod picture;
+use std::path::PathBuf;
+
+use spinney::golden::Goldens;
+use spinney::models::Kind;
+use spinney::scene::Scene;
 
 /// A test for each scene, and the list of all.
 macro_rules! goldens {
@@ -14,20 +18,21 @@ macro_rules! goldens {
         $(mod $suite {
             $(#[test]
             fn $name() {
-                crate::harness::check_scene(concat!(stringify!($suite), "/", stringify!($name)));
+                crate::goldens().assert_scene(concat!(stringify!($suite), "/", stringify!($name)));
             })+
         })+
 
-        /// Every scene that is compared as pictures.
+        /// Every scene.
         const SCENES: &[&str] = &[$($(concat!(stringify!($suite), "/", stringify!($name)),)+)+];
     };
 }
 
 goldens! {
-    full { resident four_samples }
+    digest { walk_cluster walk_slots walk_stamps yew }
+    full { four_samples resident }
     lodf {
-        cluster host literal slots stamps
-        cluster_variable slots_gathered slots_variable stamps_variable
+        cluster cluster_variable host literal slots slots_gathered slots_variable stamps
+        stamps_variable
     }
     species {
         betula_lenta betula_populifolia black_tupelo ca_black_oak cupressus_sempervirens
@@ -38,12 +43,32 @@ goldens! {
     view { grove inside orthographic }
 }
 
-#[test]
-fn digests_are_those_on_file() {
-    harness::check_digests();
+/// Tests run in the package's folder.
+fn goldens() -> Goldens {
+    Goldens {
+        scenes: PathBuf::from("scenes/golden"),
+        references: PathBuf::from("golden"),
+    }
 }
 
 #[test]
-fn every_reference_is_drawn_and_every_scene_tested() {
-    harness::check_references(SCENES);
+fn every_scene_has_a_test_and_every_reference_a_scene() {
+    assert_eq!(goldens().names().unwrap(), SCENES);
+    let unused = goldens().unused().unwrap();
+    let unused: Vec<String> = unused.iter().map(ToString::to_string).collect();
+    assert_eq!(unused, [""; 0]);
+}
+
+#[test]
+fn every_model_is_some_scenes() {
+    let mut kinds: Vec<Kind> = SCENES
+        .iter()
+        .map(|name| {
+            let scene = Scene::read(&goldens().scenes.join(format!("{name}.toml"))).unwrap();
+            Kind::named(scene.model.name.name(), scene.model.mode.name()).unwrap()
+        })
+        .collect();
+    kinds.sort();
+    kinds.dedup();
+    assert_eq!(kinds, Kind::ALL);
 }

@@ -1,0 +1,160 @@
+//! Replacing references by what scenes show now.
+
+use std::fs;
+
+use super::check::Compared;
+use super::digests::SceneDigests;
+use super::draw::KeptFrame;
+use super::error::GoldenError;
+use super::lines::DigestLines;
+use super::outcome::{Case, Finding, FindingKind, Outcome};
+use super::reference::{FrameFiles, MAX_FILE_BYTES};
+use super::{Goldens, Selection, Unused};
+use crate::report::write_file;
+use crate::run::Progress;
+
+/// What blessing did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blessing {
+    /// What was there before, compared with what is there now.
+    pub outcome: Outcome,
+    /// What was done about each finding, in the order of [`Outcome::findings`].
+    pub deeds: Vec<Deed>,
+}
+
+/// What blessing did about a finding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Deed {
+    /// The reference is new.
+    Added,
+    /// The reference was replaced.
+    Replaced,
+    /// The reference was removed.
+    Removed,
+    /// The unused reference stays, since nobody asked to remove it.
+    Kept,
+    /// Nothing: the scene cannot be drawn, or the reference would be too large.
+    Refused,
+}
+
+/// Files to write, with what will be in them.
+type Files = Vec<(std::path::PathBuf, Vec<u8>)>;
+
+impl Goldens {
+    /// Replaces the references of scenes that differ from what the scenes show now, and adds those
+    /// that are missing.
+    ///
+    /// All scenes are drawn before anything is written; every file is written whole. References of a
+    /// scene that cannot be read or drawn, and those that would be too large, stay as they are.
+    /// `digests.txt` is renewed if it is there.
+    ///
+    /// # Errors
+    ///
+    /// As [`check`](Self::check), and when a reference cannot be written or removed.
+    pub fn bless(
+        &self,
+        selection: &Selection,
+        unused: Unused,
+        progress: &dyn Progress,
+    ) -> Result<Blessing, GoldenError> {
+        let mut files = Files::new();
+        let mut refused = Vec::new();
+        let mut renewed = Vec::new();
+        let mut failed = Ok(());
+        let outcome = self.survey(selection, progress, &mut |compared, frames| {
+            if failed.is_ok() {
+                failed = self.renew(compared, &frames, &mut files, &mut refused);
+            }
+            renewed.extend(digests_to_renew(compared));
+        })?;
+        failed?;
+        if let Some(lines) = DigestLines::read(&self.digests_file()) {
+            files.extend(self.renewed_lines(&lines, &renewed, &outcome, unused));
+        }
+        for (file, bytes) in &files {
+            write_file(file, bytes)?;
+        }
+        let is_unused = |finding: &&Finding| finding.kind == FindingKind::Unused;
+        for stray in outcome.strays.iter().filter(is_unused) {
+            if unused == Unused::Remove {
+                fs::remove_file(&stray.file).map_err(|cause| GoldenError::Remove {
+                    file: stray.file.clone(),
+                    cause,
+                })?;
+            }
+        }
+        let deed = |finding: &Finding| match &finding.kind {
+            FindingKind::Unused | FindingKind::UnusedLine { .. } => match unused {
+                Unused::Remove => Deed::Removed,
+                Unused::Keep => Deed::Kept,
+            },
+            _ if refused.contains(&finding.file) => Deed::Refused,
+            FindingKind::Missing | FindingKind::MissingLine => Deed::Added,
+            _ if files.iter().any(|(file, _)| *file == finding.file) => Deed::Replaced,
+            _ => Deed::Refused,
+        };
+        let deeds = outcome.findings().map(deed).collect();
+        Ok(Blessing { outcome, deeds })
+    }
+
+    /// Adds the files of the frames of a scene in which something is wrong; what would be too large
+    /// is refused with its frame.
+    fn renew(
+        &self,
+        compared: &Compared,
+        frames: &[KeptFrame],
+        files: &mut Files,
+        refused: &mut Vec<std::path::PathBuf>,
+    ) -> Result<(), GoldenError> {
+        for kept in frames {
+            let number = kept.frame.frame;
+            let mut cases = compared.outcome.cases.iter();
+            let differs =
+                cases.any(|case| case.case == Case::Frame(number) && !case.findings.is_empty());
+            if !differs {
+                continue;
+            }
+            let names = FrameFiles::of(&self.references, &compared.outcome.name, number);
+            let picture = kept.picture()?.to_small_png()?;
+            let table = kept.table.clone().into_bytes();
+            let is_large = |bytes: &[u8]| bytes.len() as u64 > MAX_FILE_BYTES;
+            if is_large(&picture) || is_large(&table) {
+                refused.extend([names.picture, names.table]);
+                continue;
+            }
+            // Both, also if only one differs: a table names the picture that it belongs to.
+            files.extend([(names.picture, picture), (names.table, table)]);
+        }
+        Ok(())
+    }
+
+    /// `digests.txt` as it must be, if that is not what it is.
+    fn renewed_lines(
+        &self,
+        lines: &DigestLines,
+        renewed: &[SceneDigests],
+        outcome: &Outcome,
+        unused: Unused,
+    ) -> Option<(std::path::PathBuf, Vec<u8>)> {
+        let is_unused = |name: &str| {
+            let mut strays = outcome.strays.iter();
+            strays.any(|stray| match &stray.kind {
+                FindingKind::UnusedLine { scene, .. } => scene == name,
+                _ => false,
+            })
+        };
+        let removes = unused == Unused::Remove && lines.names().any(|(_, name)| is_unused(name));
+        if renewed.is_empty() && !removes && lines.wrong().next().is_none() {
+            return None;
+        }
+        let keep = |name: &str| unused == Unused::Keep || !is_unused(name);
+        Some((self.digests_file(), lines.with(renewed, &keep).into_bytes()))
+    }
+}
+
+/// The digests of a scene whose line is missing or differs.
+fn digests_to_renew(compared: &Compared) -> Option<SceneDigests> {
+    let mut cases = compared.outcome.cases.iter();
+    let differs = cases.any(|case| case.case == Case::Digests && !case.findings.is_empty());
+    compared.digests.clone().filter(|_| differs)
+}
