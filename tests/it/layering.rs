@@ -34,8 +34,8 @@ const STAGES: &[(&str, &[&str])] = &[
     (
         "testkit",
         &[
-            "math", "plant", "scene", "gpu", "simplify", "models", "run", "report", "golden",
-            "explain",
+            "math", "raster", "plant", "scene", "gpu", "simplify", "models", "run", "report",
+            "golden", "explain",
         ],
     ),
     (
