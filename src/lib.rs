@@ -24,7 +24,8 @@
 //! # The stages, in the order of the data
 //!
 //! [`scene`], [`plant`], [`simplify`], [`models`], [`gpu`], [`raster`], [`run`], [`report`],
-//! [`golden`], and [`cli`], the only one that prints. [`math`] and [`document`] serve all.
+//! [`golden`], and [`cli`], the only one that prints. [`math`] and [`document`] serve all;
+//! [`testkit`] tests models, ours and others'.
 
 pub mod cli;
 pub mod document;
@@ -38,6 +39,7 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod simplify;
+pub mod testkit;
 
 #[doc = include_str!("references.md")]
 pub mod references {}

@@ -16,7 +16,9 @@ use spinney::raster::Samples;
 
 use crate::closed_form::{Expected, Forest, Sent, by_cause, transfers};
 use crate::laws::check_conservation;
-use crate::support::{OPTIONS, Stage, descriptor, random_crown, random_state};
+use crate::support::{
+    DeviceModel as _, OPTIONS, Stage, StageExt as _, descriptor, random_crown, random_state,
+};
 
 const REGIONS: ModelOptions = ModelOptions {
     gather: Gather::Regions,

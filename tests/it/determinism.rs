@@ -14,7 +14,8 @@ use spinney::run::{Frame, Session, SessionOptions, World};
 use spinney::scene::{SampleCount, Scene};
 
 use crate::support::{
-    OPTIONS, Stage, birch_scene, birches, descriptor, grow_birches, random_crown, random_state,
+    OPTIONS, Stage, StageExt as _, birch_scene, birches, descriptor, grow_birches, random_crown,
+    random_state,
 };
 
 const TILES: [TileSize; 2] = [TileSize::Side32, TileSize::Side64];

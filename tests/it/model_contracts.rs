@@ -1,4 +1,4 @@
-//! Every model and mode keeps the [laws](crate::laws), on random crowns and random walks through
+//! Every model and mode keeps the [laws](spinney::testkit::laws), on random crowns and random walks through
 //! states; a test at the end plants the bugs that the laws name.
 
 use std::sync::Arc;
@@ -7,9 +7,13 @@ use proptest::prelude::{ProptestConfig, any, prop_assert_eq, proptest};
 use proptest::test_runner::TestCaseError;
 use spinney::math::index_usize;
 use spinney::models::{Crown, Extraction, Gather, Kind, ModelOptions, State};
+use spinney::testkit::laws::{
+    birth_before_death, conservation, image_equality, partition, residency,
+};
+use spinney::testkit::{DeviceModel, History};
 
-use crate::laws::{bytes, check_conservation, check_image, check_partition, check_residency};
-use crate::support::{OPTIONS, Stage, random_crown, random_state};
+use crate::laws::check_conservation;
+use crate::support::{OPTIONS, Stage, StageExt as _, random_crown, random_state};
 
 const SIDE: u32 = 48;
 
@@ -35,6 +39,7 @@ fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<()
     let start = random_state(crown, seed);
     let mut walked = Stage::at(kind, options, crown, &start, 8);
     let model = kind.model(crown, options);
+    let history = History::of(crown.sequence());
     let looked_at = [
         choices.len() - 1,
         index_usize((seed >> 8) % choices.len() as u64),
@@ -47,9 +52,10 @@ fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<()
             kind.has_levels() || walked.resident.state() == &state
         );
         let mut fresh = Stage::at(kind, options, crown, &state, 8);
-        check_residency(&mut walked, &mut fresh)?;
+        residency(&mut walked, &mut fresh)?;
         if kind.has_levels() {
-            check_partition(crown, &model.drawn(&state), &state)?;
+            partition(&history, &state, &model.drawn(&state))?;
+            birth_before_death(&history, &state, &model.drawn(&state))?;
         }
         if looked_at.contains(&step) {
             let shown = if kind.has_levels() {
@@ -61,11 +67,10 @@ fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<()
             choices[..=step]
                 .iter()
                 .for_each(|&c| walked.commit(&random_state(crown, c)));
-            let payload = walked.device.take_ledger().upload.payload_bytes;
-            check_conservation(&walked.device, payload)?;
+            conservation(&mut walked)?;
             let mut fresh = Stage::at(kind, options, crown, &state, SIDE);
             let mut reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, shown, SIDE);
-            check_image(&mut walked, &mut fresh, &mut reference)?;
+            image_equality(&mut walked, &mut fresh, reference.picture().as_ref())?;
         }
     }
     Ok(())
@@ -178,27 +183,24 @@ mod seeded {
         for kind in Kind::SOUND.into_iter().filter(|kind| kind.has_levels()) {
             let mut walked = faulty(kind, &crown, &HALF, Fault::OffByOne);
             let mut fresh = Stage::at(kind, OPTIONS, &crown, &HALF, SIDE);
-            assert!(
-                check_residency(&mut walked, &mut fresh).is_err(),
-                "{kind:?}"
-            );
+            assert!(residency(&mut walked, &mut fresh).is_err(), "{kind:?}");
         }
     }
 
     #[test]
     fn images_catch_a_draw_that_stops_short_and_residency_does_not() {
         let crown = random_crown(5, 12, 2);
-        let mut reference = Stage::at(Kind::LodfCluster, OPTIONS, &crown, &HALF, SIDE);
+        let reference = Stage::at(Kind::LodfCluster, OPTIONS, &crown, &HALF, SIDE).picture();
         for kind in Kind::SOUND.into_iter().filter(|kind| kind.has_levels()) {
             let mut fresh = Stage::at(kind, OPTIONS, &crown, &HALF, SIDE);
             let mut sound = Stage::at(kind, OPTIONS, &crown, &HALF, SIDE);
             assert!(
-                check_image(&mut sound, &mut fresh, &mut reference).is_ok(),
+                image_equality(&mut sound, &mut fresh, reference.as_ref()).is_ok(),
                 "{kind:?}"
             );
             let mut short = faulty(kind, &crown, &HALF, Fault::StopsShort);
             assert!(
-                check_image(&mut short, &mut fresh, &mut reference).is_err(),
+                image_equality(&mut short, &mut fresh, reference.as_ref()).is_err(),
                 "{kind:?}"
             );
         }
@@ -217,7 +219,8 @@ mod seeded {
             found.expect("slots keep records").0
         };
         let records = named("leaf records");
-        let byte = !bytes(&stage, records)[3];
+        let held = stage.device.inspect_buffer(records).expect("it lives");
+        let byte = !held[3];
         stage
             .device
             .poison(records, 3..4, byte)
@@ -230,11 +233,11 @@ mod seeded {
         let mut wrong = 0;
         for seed in 0..20 {
             let crown = random_crown(seed, 14, 2);
+            let history = History::of(crown.sequence());
             let literal = Kind::LodfLiteral.model(&crown, OPTIONS);
             for collapses in 0..=crown.sequence().collapse_count() {
                 let state = State::Uniform { collapses };
-                wrong +=
-                    u32::from(check_partition(&crown, &literal.drawn(&state), &state).is_err());
+                wrong += u32::from(partition(&history, &state, &literal.drawn(&state)).is_err());
             }
         }
         assert!(wrong > 100, "only {wrong} states were caught");

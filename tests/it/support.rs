@@ -4,19 +4,15 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use spinney::document::Document;
-use spinney::gpu::{
-    Card, Command, Device, DeviceDescriptor, Link, Load, RenderPass, TargetDescriptor, TargetId,
-};
-use spinney::math::{Mat4, Stream, Vec3, Vec4, index_u32, index_usize};
-use spinney::models::{
-    Crown, Environment, Extraction, Gather, Kind, Model, ModelOptions, Placement, Resident, State,
-    View,
-};
+use spinney::gpu::DeviceDescriptor;
+use spinney::math::{Stream, Vec3, index_u32, index_usize};
+use spinney::models::{Crown, Extraction, Gather, Kind, Model, ModelOptions, State};
 use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype, Texture};
-use spinney::raster::{Counters, Image, Options, Samples, TileSize};
+use spinney::raster::Image;
 use spinney::run::{Silent, World};
 use spinney::scene::{Scene, SceneFile};
 use spinney::simplify::{Collapse, CollapseSequence};
+pub(crate) use spinney::testkit::{DeviceModel, Stage};
 
 /// A crown of `leaves` random quads in two groups with a random history of collapses that leaves
 /// about `roots` of them.
@@ -116,23 +112,9 @@ pub(crate) fn random_state(crown: &Crown, choice: u64) -> State {
     }
 }
 
-/// A device with one instance of a model.
-pub(crate) struct Stage {
-    pub(crate) device: Device,
-    pub(crate) target: TargetId,
-    pub(crate) resident: Box<dyn Resident>,
-}
-
+/// A device with what all tests of models stand on.
 pub(crate) fn descriptor() -> DeviceDescriptor {
-    DeviceDescriptor {
-        memory_bytes: 1 << 30,
-        link: Link::named("pcie1x16").expect("a known link"),
-        card: Card::named("geforce6800").expect("a known card"),
-        raster: Options {
-            tile: TileSize::Side32,
-            counters: Counters::Visible,
-        },
-    }
+    Stage::descriptor()
 }
 
 pub(crate) const OPTIONS: ModelOptions = ModelOptions {
@@ -140,90 +122,30 @@ pub(crate) const OPTIONS: ModelOptions = ModelOptions {
     gather: Gather::Single,
 };
 
-impl Stage {
-    /// A fresh device with an instance in `state`; reads are tracked and writes recorded.
-    pub(crate) fn at(
-        kind: Kind,
-        options: ModelOptions,
-        crown: &Arc<Crown>,
-        state: &State,
-        side: u32,
-    ) -> Self {
-        Self::on(
-            descriptor(),
-            kind.model(crown, options).as_ref(),
-            state,
-            side,
-        )
+/// Stages where memory suffices.
+pub(crate) trait StageExt {
+    /// A fresh device with an instance in `state`; writes are recorded.
+    fn at(kind: Kind, options: ModelOptions, crown: &Arc<Crown>, state: &State, side: u32) -> Self;
+
+    /// The same on a device of choice.
+    fn on(descriptor: DeviceDescriptor, model: &dyn Model, state: &State, side: u32) -> Self;
+
+    /// Draws.
+    fn draw(&mut self) -> Image;
+}
+
+impl StageExt for Stage {
+    fn at(kind: Kind, options: ModelOptions, crown: &Arc<Crown>, state: &State, side: u32) -> Self {
+        let model = kind.model(crown, options);
+        Self::on(descriptor(), model.as_ref(), state, side)
     }
 
-    /// As [`at`](Self::at), on a device of choice.
-    pub(crate) fn on(
-        descriptor: DeviceDescriptor,
-        model: &dyn Model,
-        state: &State,
-        side: u32,
-    ) -> Self {
-        let mut device = Device::new(descriptor);
-        device.record();
-        let environment = Environment::new(&mut device, 1).expect("memory suffices");
-        let view = View {
-            clip_from_world: Mat4::from_scale(Vec3::new(0.7, 0.7, 0.3))
-                * Mat4::from_translation(Vec3::new(0.0, 0.0, 1.6)),
-            to_light: Vec3::new(0.6, 0.8, 0.0),
-            light: Vec3::splat(0.8),
-            ambient: Vec3::splat(0.3),
-        };
-        environment
-            .set_view(&mut device.queue(), &view)
-            .expect("room for a view");
-        environment
-            .place(&mut device.queue(), 0, &Placement::IDENTITY)
-            .expect("room for one");
-        let shared = model
-            .upload(&mut device, &environment)
-            .expect("memory suffices");
-        let resident = shared
-            .instance(&mut device, state, 0)
-            .expect("memory suffices");
-        let descriptor = TargetDescriptor {
-            label: "frame",
-            width: side,
-            height: side,
-            samples: Samples::One,
-        };
-        let target = device.create_target(&descriptor).expect("memory suffices");
-        Self {
-            device,
-            target,
-            resident,
-        }
+    fn on(descriptor: DeviceDescriptor, model: &dyn Model, state: &State, side: u32) -> Self {
+        Self::new(descriptor, model, state, side).expect("memory suffices")
     }
 
-    pub(crate) fn commit(&mut self, to: &State) {
-        self.resident
-            .commit(&mut self.device.queue(), to)
-            .expect("a resident's own device");
-    }
-
-    pub(crate) fn draw(&mut self) -> Image {
-        let mut steps = Vec::new();
-        self.resident.draw(&mut steps);
-        let load = Load::Clear {
-            color: Vec4::new(0.1, 0.1, 0.2, 1.0),
-            depth: 1.0,
-        };
-        let pass = RenderPass {
-            label: "test".to_owned(),
-            target: self.target,
-            load,
-            steps,
-        };
-        self.device
-            .queue()
-            .submit(&[Command::Render(pass)])
-            .expect("a sound pass");
-        self.device.present(self.target).expect("the target exists")
+    fn draw(&mut self) -> Image {
+        self.picture().expect("our device draws")
     }
 }
 

@@ -1,13 +1,14 @@
-//! Longer walks on a real tree: the [laws](crate::laws) at every step, and detail by distance.
+//! Longer walks on a real tree: the [laws](spinney::testkit::laws) at every step, and detail by distance.
 
 use std::sync::Arc;
 
 use proptest::prelude::{ProptestConfig, any, prop_assert, prop_assert_eq, proptest};
 use spinney::math::{Vec3, index_u32};
 use spinney::models::{Criterion, Crown, Extent, Kind, State, select};
+use spinney::testkit::laws::{birth_before_death, partition, residency};
+use spinney::testkit::{DeviceModel as _, History, Tally, check_end};
 
-use crate::laws::{bytes, check_conservation, check_image, check_partition, check_residency};
-use crate::support::{OPTIONS, Stage, birches, descriptor, random_state};
+use crate::support::{OPTIONS, Stage, StageExt as _, birches, descriptor, random_state};
 
 fn crown() -> &'static Arc<Crown> {
     &birches().crowns[0]
@@ -54,23 +55,30 @@ fn walk_states(crown: &Crown) -> Vec<State> {
 fn walk(kind: Kind) {
     let crown = crown();
     let states = walk_states(crown);
+    let history = History::of(crown.sequence());
     let model = kind.model(crown, OPTIONS);
     let mut walked = Stage::on(descriptor(), &*model, &State::FINEST, 128);
     for state in &states {
         walked.commit(state);
         let mut fresh = Stage::on(descriptor(), &*model, state, 8);
-        check_residency(&mut walked, &mut fresh).expect("residency");
+        residency(&mut walked, &mut fresh).expect("residency");
         if kind.has_levels() {
-            check_partition(crown, &model.drawn(state), state).expect("partition");
+            let drawn = model.drawn(state);
+            birth_before_death(&history, state, &drawn).expect("birth before death");
+            partition(&history, state, &drawn).expect("partition");
         }
     }
-    let payload = walked.device.take_ledger().upload.payload_bytes;
-    check_conservation(&walked.device, payload).expect("conservation");
     let last = states.last().filter(|_| kind.has_levels());
     let last = last.unwrap_or(&State::FINEST);
     let mut fresh = Stage::at(kind, OPTIONS, crown, last, 128);
-    let mut reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, last, 128);
-    check_image(&mut walked, &mut fresh, &mut reference).expect("images");
+    let reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, last, 128).draw();
+    check_end(
+        &mut walked,
+        &mut fresh,
+        Some(&reference),
+        &mut Tally::default(),
+    )
+    .expect("conservation and images");
 }
 
 macro_rules! walks {
@@ -111,8 +119,9 @@ fn back_from_variable_to_uniform_all_is_as_it_was() {
                 let buffers = stage.device.buffers();
                 // Thresholds are read in variable states alone.
                 let read = buffers.filter(|(_, label)| *label != "thresholds");
-                let held = read.map(|(buffer, _)| bytes(stage, buffer));
-                held.collect::<Vec<_>>()
+                let held = read.map(|(buffer, _)| stage.device.inspect_buffer(buffer));
+                held.map(|bytes| bytes.expect("it lives").to_vec())
+                    .collect::<Vec<_>>()
             };
             let before = content(&stage);
             for state in &variable {
@@ -123,7 +132,7 @@ fn back_from_variable_to_uniform_all_is_as_it_was() {
             assert_eq!(stage.resident.state(), &uniform);
             assert!(stage.draw() == shown, "{kind:?}");
             let mut fresh = Stage::at(kind, OPTIONS, crown, &uniform, 8);
-            check_residency(&mut stage, &mut fresh).expect("residency");
+            residency(&mut stage, &mut fresh).expect("residency");
             if matches!(kind, Kind::LodfSlots | Kind::LodfStamps) {
                 assert!(content(&stage) == before, "{kind:?} at {collapses}");
             }

@@ -1,0 +1,105 @@
+//! Walks: operations on a structure, one after another.
+
+use std::fmt;
+
+use super::History;
+use crate::models::State;
+
+/// One step of a walk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Operation {
+    /// The next collapse of the history.
+    Collapse,
+    /// Undoes the last collapse.
+    Split,
+    /// Straight to a state: uniform, or every cluster to its own number of collapses.
+    To(State),
+}
+
+impl Operation {
+    /// The state that a step leads to; `None` for a step that cannot be taken: a collapse or split
+    /// out of a variable state, or past an end.
+    #[must_use]
+    pub fn target(&self, history: &History, from: &State) -> Option<State> {
+        let collapses = match (self, from) {
+            (Self::To(state), _) => return history.fits(state).then(|| state.clone()),
+            (Self::Collapse, State::Uniform { collapses }) => collapses.checked_add(1)?,
+            (Self::Split, State::Uniform { collapses }) => collapses.checked_sub(1)?,
+            (Self::Collapse | Self::Split, State::Variable { .. }) => return None,
+        };
+        let state = State::Uniform { collapses };
+        history.fits(&state).then_some(state)
+    }
+}
+
+impl fmt::Display for Operation {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Collapse => write!(out, "collapse"),
+            Self::Split => write!(out, "split"),
+            Self::To(state) => write!(out, "to {}", Shown(state)),
+        }
+    }
+}
+
+/// A history and a walk through its states, from full detail.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Walk {
+    /// What the structure is built from.
+    pub history: History,
+    /// The steps; those that cannot be taken where they stand are passed over.
+    pub operations: Vec<Operation>,
+}
+
+impl Walk {
+    /// The states that it leads through, without its start.
+    #[must_use]
+    pub fn states(&self) -> Vec<State> {
+        let mut state = State::FINEST;
+        let mut states = Vec::with_capacity(self.operations.len());
+        for operation in &self.operations {
+            if let Some(target) = operation.target(&self.history, &state) {
+                states.push(target.clone());
+                state = target;
+            }
+        }
+        states
+    }
+}
+
+/// As in "4 leaves, collapses (0 1) (4 2); walk: collapse, split, to clusters 1 0".
+impl fmt::Display for Walk {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}; walk:", self.history)?;
+        for (number, operation) in self.operations.iter().enumerate() {
+            let comma = if number == 0 { "" } else { "," };
+            write!(out, "{comma} {operation}")?;
+        }
+        if self.operations.is_empty() {
+            write!(out, " none")?;
+        }
+        Ok(())
+    }
+}
+
+/// A state as people read it: "level 3", or "clusters 1 0 2".
+pub(super) struct Shown<'a>(pub(super) &'a State);
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            State::Uniform { collapses } => write!(out, "level {collapses}"),
+            State::Variable { counts } => {
+                write!(out, "clusters")?;
+                let shown = 16;
+                for count in counts.iter().take(shown) {
+                    write!(out, " {count}")?;
+                }
+                if counts.len() > shown {
+                    write!(out, " …")?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
