@@ -38,11 +38,20 @@ pub struct Species {
     pub stems: [StemLevel; 4],
     /// How leaves sit on the stems of the last level.
     pub leaves: LeafHabit,
+    /// Numbers of leaves that are left out of the grown plant, ascending; ours.
+    ///
+    /// Numbers are those that the leaves have without this: through all kinds in order, those of the
+    /// first kind first. All that stays is what it was, to the bit; only numbers close up. So a plant
+    /// can be had that differs from another in one leaf.
+    pub omitted_leaves: Vec<u32>,
     /// What leaves look like; at least one kind.
     pub foliage: Vec<FoliageKind>,
 }
 
 impl Species {
+    /// The most leaves that a species may leave out.
+    pub const MAX_OMITTED: usize = 65_536;
+
     /// What every key of a species file means: a table in Markdown.
     pub const HELP: &'static str = include_str!("keys.md");
 }

@@ -130,6 +130,7 @@ struct RawLeaves {
     bend: Number,
     attraction_up: Number,
     bare: Number,
+    omit: Option<Spanned<Vec<Spanned<i64>>>>,
 }
 
 #[derive(Deserialize)]
@@ -209,6 +210,7 @@ impl Reader<'_> {
                 )?,
                 bare: self.number("leaves.bare", &raw.leaves.bare, 0.0, 0.0..=0.95)?,
             },
+            omitted_leaves: self.omitted(raw.leaves.omit.as_ref())?,
             foliage: raw
                 .foliage
                 .get_ref()
@@ -216,6 +218,27 @@ impl Reader<'_> {
                 .map(|kind| self.foliage(kind))
                 .collect::<Result<_, _>>()?,
         })
+    }
+
+    fn omitted(self, raw: Option<&Spanned<Vec<Spanned<i64>>>>) -> Result<Vec<u32>, DocumentError> {
+        let Some(raw) = raw else {
+            return Ok(Vec::new());
+        };
+        let (found, most) = (raw.get_ref().len(), Species::MAX_OMITTED);
+        if found > most {
+            let message = format!("leaves.omit has {found} numbers, wanted at most {most}");
+            return Err(self.wrong(raw, message));
+        }
+        let mut numbers: Vec<u32> = Vec::with_capacity(found);
+        for entry in raw.get_ref() {
+            let number = self.integer("leaves.omit", entry, &(0..=MOST - 1))?;
+            if let Some(before) = numbers.last().filter(|before| **before >= number) {
+                let message = format!("leaves.omit has {number} after {before}, wanted ascending");
+                return Err(self.wrong(entry, message));
+            }
+            numbers.push(number);
+        }
+        Ok(numbers)
     }
 
     fn crown(self, raw: &RawCrown) -> Result<Crown, DocumentError> {

@@ -125,6 +125,13 @@ fn wrong_values_are_named_with_line_and_column() {
         ),
         ("wood", "bark_color = \"brown\"", "\"brown\"", "#rrggbb"),
         ("wood", "bark_color = \"#+12345\"", "\"#+12345\"", "#rrggbb"),
+        (
+            "leaves",
+            "omit = [3, 3]",
+            "3]",
+            "3 after 3, wanted ascending",
+        ),
+        ("leaves", "omit = [-1]", "-1", "wanted 0..=3999999"),
         ("foliage", "length = 0", "0\n", "wanted 0.001..=5"),
         (
             "",

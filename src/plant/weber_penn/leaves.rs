@@ -4,7 +4,7 @@ use super::GrowError;
 use super::branching::{Bearer, Wood};
 use super::formulas::{alternate, down_angle, lifted};
 use super::frame::Frame;
-use crate::math::{Stream, Vec3, det};
+use crate::math::{Stream, Vec3, det, index_u32};
 use crate::plant::{
     Foliage, FoliageKind, LeafGroup, MAX_GROWN_LEAVES, Material, Prototype, Species,
 };
@@ -19,7 +19,8 @@ const DENSITIES: (f64, f64) = (1e-6, 1e6);
 ///
 /// # Errors
 ///
-/// When the stems cannot bear as many leaves as wanted, or bear more than the limit.
+/// When the stems cannot bear as many leaves as wanted, or bear more than the limit, or a leaf that is
+/// to be left out does not grow.
 pub(super) fn foliage(species: &Species, wood: &Wood) -> Result<Foliage, GrowError> {
     let bearers = &wood.bearers;
     let (density, wanted) = density(species, bearers)?;
@@ -49,8 +50,40 @@ pub(super) fn foliage(species: &Species, wood: &Wood) -> Result<Foliage, GrowErr
             groups[kind].owners.push(bearer.branch);
         }
     }
+    omit(&species.omitted_leaves, &mut groups)?;
     groups.retain(|group| !group.owners.is_empty());
     Ok(Foliage { groups })
+}
+
+/// Takes out the leaves with these numbers, which count through all groups.
+fn omit(numbers: &[u32], groups: &mut [LeafGroup]) -> Result<(), GrowError> {
+    let grown: usize = groups.iter().map(LeafGroup::leaf_count).sum();
+    if let Some(&last) = numbers.last().filter(|last| **last as usize >= grown) {
+        return Err(GrowError::Omitted {
+            leaf: last,
+            found: grown,
+        });
+    }
+    let mut first = 0;
+    let mut rest = numbers;
+    for group in groups {
+        let end = first + group.leaf_count();
+        let here;
+        (here, rest) = rest.split_at(rest.partition_point(|&number| (number as usize) < end));
+        let stays = |leaf: usize| here.binary_search(&index_u32(first + leaf)).is_err();
+        let mut kept = 0;
+        for leaf in (0..group.leaf_count()).filter(|&leaf| stays(leaf)) {
+            group.owners[kept] = group.owners[leaf];
+            group
+                .positions
+                .copy_within(4 * leaf..4 * leaf + 4, 4 * kept);
+            kept += 1;
+        }
+        group.owners.truncate(kept);
+        group.positions.truncate(4 * kept);
+        first = end;
+    }
+    Ok(())
 }
 
 /// The factor on the species' own leaf density, and how many leaves are kept.

@@ -40,7 +40,7 @@ pub const MAX_GROWN_LEAVES: usize = 4_000_000;
 ///
 /// Has exactly [`Species::leaf_count`] leaves where that is given: the number of leaves on each
 /// stem is scaled until the crown has as many, or up to 3 % more, and what is too much is taken
-/// evenly from the whole crown. The trunk has [`Species::trunk_polygons`] triangles within 5 %.
+/// evenly from the whole crown; [`Species::omitted_leaves`] then go. The trunk has [`Species::trunk_polygons`] triangles within 5 %.
 ///
 /// # Errors
 ///
@@ -80,6 +80,14 @@ pub enum GrowError {
         /// How many the species asks for.
         wanted: usize,
         /// How many grow at the nearest density that is not below, or at the highest.
+        found: usize,
+    },
+    /// A leaf that is to be left out does not grow.
+    #[error("leaves.omit: leaf {leaf}, but {found} leaves grow, numbered from 0")]
+    Omitted {
+        /// The greatest number that the species leaves out.
+        leaf: u32,
+        /// How many leaves grow.
         found: usize,
     },
     /// The trunk mesh cannot have as many triangles as wanted.

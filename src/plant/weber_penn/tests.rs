@@ -344,3 +344,42 @@ fn any_species_in_range_grows_soundly_or_is_refused() {
     }
     assert!(grown > 40, "only {grown} of 60 grew");
 }
+
+#[test]
+fn omitted_leaves_are_gone_and_the_others_stay() {
+    let second = "color = \"#ffffff\"\n[[foliage]]\nsilhouette = \"oval\"\n";
+    let tables = |omit: &str| format!("{second}[leaves]\nomit = [{omit}]\n");
+    let grown = |omit: &str| grow(&small("leaf_count = 60", &tables(omit)), 3);
+    let leaves = |plant: &crate::plant::Plant| -> Vec<_> {
+        let groups = plant.foliage().groups.iter();
+        groups
+            .flat_map(|group| {
+                let all = 0..group.leaf_count();
+                all.map(|leaf| {
+                    (
+                        group.name.clone(),
+                        group.owners[leaf],
+                        group.leaf(leaf).to_vec(),
+                    )
+                })
+            })
+            .collect()
+    };
+    let whole = leaves(&grown("").expect("it grows"));
+    let first = whole.iter().filter(|leaf| leaf.0 == whole[0].0).count();
+    assert!(first > 1 && first < 59, "two kinds: {first}");
+    for numbers in [vec![0], vec![first - 1, first], vec![2, first + 1, 59]] {
+        let names: Vec<String> = numbers.iter().map(usize::to_string).collect();
+        let less = leaves(&grown(&names.join(", ")).expect("it grows"));
+        let mut wanted = whole.clone();
+        for number in numbers.iter().rev() {
+            wanted.remove(*number);
+        }
+        assert_eq!(less, wanted, "without {names:?}");
+    }
+    let error = grown("60").expect_err("numbers count from 0");
+    assert_eq!(
+        error.to_string(),
+        "leaves.omit: leaf 60, but 60 leaves grow, numbered from 0"
+    );
+}
