@@ -8,7 +8,7 @@ use super::prepare::Prepared;
 use super::terminal::Terminal;
 use crate::raster::Counters;
 use crate::report::{RunFolder, RunHeader, frame_layers, run_notes, run_table};
-use crate::run::{Progress as _, Session};
+use crate::run::{PlantFiles, Progress as _, Session};
 use crate::scene::to_toml;
 
 /// Rows of frames in the closing table.
@@ -32,18 +32,22 @@ pub(super) fn run(
     let (scene, world) = (&prepared.scene, &prepared.world);
     let mut session = Session::new(scene, world, &prepared.options)?;
     let target = folder(shared, &scene.name);
+    let from = options.scene.parent().unwrap_or(Path::new(""));
+    let (resolved, plants) = PlantFiles::gather(scene, from)?;
     let header = RunHeader {
         scene: scene.name.clone(),
-        scene_digest: scene.digest(),
+        scene_digest: resolved.digest(),
         model: prepared.options.kind.label(),
         link: prepared.options.link,
         card: prepared.options.card,
         size: [scene.size.width(), scene.size.height()],
         samples: scene.samples.get(),
-        resolved: to_toml(scene),
+        resolved: to_toml(&resolved),
         resident: session.device().resident_by_label(),
     };
     let mut folder = RunFolder::create(&target, header, session.initial())?;
+    folder.add_plants(&plants)?;
+    drop(plants);
     let last = drawing
         .frames
         .as_ref()

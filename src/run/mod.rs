@@ -10,6 +10,7 @@
 
 mod crowns;
 mod mass;
+mod plants;
 mod progress;
 mod session;
 mod sweep;
@@ -17,6 +18,7 @@ mod world;
 
 pub use crowns::CrownStore;
 pub use mass::{Mass, directions, mass};
+pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};
 pub use progress::{Progress, Silent};
 pub use session::{Frame, Session, SessionOptions};
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
@@ -58,6 +60,14 @@ pub enum RunError {
         found: Digest,
         /// The digest in the scene.
         wanted: Digest,
+    },
+    /// The plants' files are more than a run keeps copies of.
+    #[error("the plants' files have {found} bytes or more, at most {limit} are copied to a run")]
+    PlantFiles {
+        /// Bytes when counting stopped.
+        found: u64,
+        /// How many there may be.
+        limit: u64,
     },
     /// A name in the scene means nothing here.
     #[error("{what} {found:?} is unknown; known are {known}")]

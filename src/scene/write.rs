@@ -7,8 +7,8 @@ use super::{Camera, Golden, ModelChoice, PlantSource, Projection, SCHEMA, Scene,
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
 ///
-/// Reading it back gives an equal scene. Paths of species and trees stay as they are in the scene:
-/// relative to the folder of the file that was read first.
+/// Reading it back gives an equal scene. Paths of species and trees are written as they are in the
+/// scene, so they are relative to where the text is put.
 #[must_use]
 pub fn to_toml(scene: &Scene) -> String {
     let mut text = Text(String::new());

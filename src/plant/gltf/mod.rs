@@ -34,6 +34,7 @@ mod record;
 mod report;
 mod scan;
 mod scene;
+mod sources;
 mod surface;
 mod trunk;
 mod uri;
@@ -45,6 +46,7 @@ pub use error::{ExportError, ImportError};
 pub use export::export_glb;
 pub use import::{import, import_bytes};
 pub use report::{ImportReport, ReportEntry, ReportKind};
+pub use sources::{PlantSources, read_sources};
 
 use super::Plant;
 use error::Fault;

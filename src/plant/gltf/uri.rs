@@ -55,6 +55,11 @@ pub(super) fn resolve(uri: &str, folder: Option<&Path>) -> Result<PathBuf, Strin
     let Some(folder) = folder else {
         return Err(format!("names the file {uri:?}, but no folder is known"));
     };
+    relative_path(uri).map(|path| folder.join(path))
+}
+
+/// The relative path that a URI stands for, `%` sequences decoded.
+pub(super) fn relative_path(uri: &str) -> Result<String, String> {
     let is_scheme = |scheme: &str| {
         scheme.len() > 1
             && scheme
@@ -72,7 +77,7 @@ pub(super) fn resolve(uri: &str, folder: Option<&Path>) -> Result<PathBuf, Strin
             "{uri:?} is not a relative path; put the file beside the document"
         ));
     }
-    Ok(folder.join(path))
+    Ok(decoded)
 }
 
 fn percent_decode(uri: &str) -> Option<String> {

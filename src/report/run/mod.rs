@@ -37,7 +37,7 @@ use super::growing::GrowingFile;
 use super::{Layer, OutputFolder, Picture, ReportError, csv_row, encode_exr};
 use crate::gpu::{Card, Ledger, Link, nanoseconds};
 use crate::math::Digest;
-use crate::run::Frame;
+use crate::run::{Frame, PlantFiles};
 
 /// What was run.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +56,8 @@ pub struct RunHeader {
     pub size: [u32; 2],
     /// Samples a pixel.
     pub samples: u32,
-    /// Everything that decided the run, as a scene file: becomes `scene.resolved.toml`.
+    /// Everything that decided the run, as a scene file: becomes `scene.resolved.toml`. Its plants are
+    /// those of [`RunFolder::add_plants`].
     pub resolved: String,
     /// Device memory by label before the first frame, largest first.
     pub resident: Vec<(String, u64)>,
@@ -114,6 +115,22 @@ impl RunFolder {
             links: Links::new(),
             folder,
         })
+    }
+
+    /// Writes copies of the files that the plants come from, to which the resolved scene refers: with
+    /// them the folder can be run anew wherever it lies, whatever became of the originals.
+    ///
+    /// # Errors
+    ///
+    /// When a file cannot be written, or a plant's files lie too deep below one another.
+    pub fn add_plants(&self, plants: &PlantFiles) -> Result<(), ReportError> {
+        for folder in plants.folders() {
+            // Made on the way to a file in it, which is never written.
+            self.folder.file(&format!("{folder}/x"))?;
+        }
+        plants
+            .files()
+            .try_for_each(|(name, bytes)| self.folder.write(name, bytes))
     }
 
     /// Writes a frame. Frames come in ascending order.
