@@ -9,11 +9,11 @@ use super::program::Program;
 use super::reads::ReadSet;
 use super::resource::{Buffer, TargetSlot, TextureSlot};
 use super::{
-    BufferDescriptor, BufferId, Card, GpuError, Ledger, Link, ProgramId, Queue, Residency,
+    BufferDescriptor, BufferId, Card, GpuError, Ledger, Link, ProgramId, Queue, RenderPass, Residency,
     TargetDescriptor, TargetId, TextureDescriptor, TextureId,
 };
 use crate::math::{index_u32, index_usize};
-use crate::raster::{Image, Key, MipMap, Options, Samples, Target};
+use crate::raster::{Image, Key, MipMap, Options, ProbedFragment, Samples, Target};
 
 /// What a device is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -215,6 +215,20 @@ impl Device {
     /// [`GpuError::Unknown`] when the target does not exist.
     pub fn inspect_target(&self, target: TargetId) -> Result<&Target, GpuError> {
         Ok(&self.target(target)?.target)
+    }
+
+    /// Every fragment that a pass would have at one pixel of its target, in the order of submission:
+    /// what passes, what alpha kills, what is hidden. Nothing is drawn, nothing is counted.
+    ///
+    /// # Errors
+    ///
+    /// What the pass breaks, as when it is submitted.
+    pub fn probe(
+        &self,
+        pass: &RenderPass,
+        pixel: [u32; 2],
+    ) -> Result<Vec<ProbedFragment>, GpuError> {
+        super::execute::probe(self, pass, pixel)
     }
 
     /// What was counted since the last call; counting starts anew.

@@ -9,7 +9,7 @@ use super::pass::{Corners, Load, RenderPass};
 use super::plan::{Plan, corners_per_primitive, plan};
 use super::program::{Bindings, VertexCall};
 use super::{Device, GpuError};
-use crate::raster::{self, Batch, Counters, Geometry, Kernel, Topology};
+use crate::raster::{self, Batch, Counters, Geometry, Kernel, ProbedFragment, Topology};
 
 /// Primitives a call of a vertex stage: a constant, so that threads cannot be seen.
 const PRIMITIVES_PER_CALL: usize = 2048;
@@ -28,72 +28,101 @@ pub(super) fn render(device: &mut Device, pass: &RenderPass) -> Result<(), GpuEr
     if let Load::Clear { color, depth } = pass.load {
         slot.target.clear(color, depth);
     }
-    let work = {
-        let device: &Device = device;
-        let bound: Vec<Bindings<'_>> = plan
-            .draws
-            .iter()
-            .map(|draw| draw.state.bindings(device))
-            .collect();
-        let kernels: Vec<Box<dyn Kernel + '_>> = plan
-            .draws
-            .iter()
-            .zip(&bound)
-            .map(|(draw, bindings)| draw.state.program.fragment_stage(bindings))
-            .collect();
-        let calls: Vec<(usize, &[u32])> = plan
-            .draws
-            .iter()
-            .enumerate()
-            .flat_map(|(number, draw)| {
-                let chunk = PRIMITIVES_PER_CALL * corners_per_primitive(draw.topology);
-                draw.corners
-                    .chunks(chunk)
-                    .map(move |corners| (number, corners))
-            })
-            .collect();
-        let geometries: Vec<Geometry> = calls
-            .par_iter()
-            .map(|&(number, corners)| {
-                let draw = &plan.draws[number];
-                let mut geometry = Geometry::default();
-                let instance = draw.instance;
-                let call = VertexCall {
-                    corners,
-                    instance,
-                    bindings: &bound[number],
-                };
-                draw.state.program.vertex_stage(&call, &mut geometry);
-                geometry
-            })
-            .collect();
-        let batches: Vec<Batch<'_>> = calls
-            .iter()
-            .zip(&geometries)
-            .map(|(&(number, _), geometry)| {
-                let draw = &plan.draws[number];
-                Batch {
-                    geometry,
-                    topology: draw.topology,
-                    kernel: &*kernels[number],
-                    blend: draw.state.program.layout().blend,
-                    group: draw.group,
-                    instance: draw.instance,
-                }
-            })
-            .collect();
-        let of_batch = raster::render(&mut slot.target, &batches, &device.descriptor.raster);
+    let options = device.descriptor.raster;
+    let outcomes = with_batches(device, &plan, |geometry| {
+        let of_batch = raster::render(&mut slot.target, &geometry.batches, &options);
         let mut of_draw = vec![Outcome::default(); plan.draws.len()];
-        for ((&(number, _), work), geometry) in calls.iter().zip(&of_batch).zip(&geometries) {
-            let outcome = &mut of_draw[number];
+        for ((&draw, work), batch) in geometry.draws.iter().zip(&of_batch).zip(&geometry.batches) {
+            let outcome = &mut of_draw[draw];
             outcome.work = outcome.work.plus(work);
-            outcome.emitted_vertices += geometry.clip.len() as u64;
+            outcome.emitted_vertices += batch.geometry.clip.len() as u64;
         }
         of_draw
-    };
+    });
     device.targets[pass.target.index() as usize] = Some(slot);
-    count(device, &plan, &work);
+    count(device, &plan, &outcomes);
     Ok(())
+}
+
+/// Every fragment of a pass at one pixel, as if it were executed; nothing is drawn or counted.
+pub(super) fn probe(
+    device: &Device,
+    pass: &RenderPass,
+    pixel: [u32; 2],
+) -> Result<Vec<ProbedFragment>, GpuError> {
+    let target = &device.target(pass.target)?.target;
+    let (size, samples) = ([target.width(), target.height()], target.samples());
+    let plan = plan(device, pass)?;
+    Ok(with_batches(device, &plan, |geometry| {
+        raster::probe(size, samples, &geometry.batches, pixel)
+    }))
+}
+
+/// What the vertex stages of a pass hand to the rasterizer.
+struct PassGeometry<'a> {
+    batches: Vec<Batch<'a>>,
+    /// The draw that each batch is part of.
+    draws: Vec<usize>,
+}
+
+/// Runs the vertex stages of a pass, and `use_batches` on what comes of them.
+fn with_batches<R>(
+    device: &Device,
+    plan: &Plan,
+    use_batches: impl FnOnce(&PassGeometry<'_>) -> R,
+) -> R {
+    let bound: Vec<Bindings<'_>> = plan
+        .draws
+        .iter()
+        .map(|draw| draw.state.bindings(device))
+        .collect();
+    let kernels: Vec<Box<dyn Kernel + '_>> = plan
+        .draws
+        .iter()
+        .zip(&bound)
+        .map(|(draw, bindings)| draw.state.program.fragment_stage(bindings))
+        .collect();
+    let calls: Vec<(usize, &[u32])> = plan
+        .draws
+        .iter()
+        .enumerate()
+        .flat_map(|(number, draw)| {
+            let chunk = PRIMITIVES_PER_CALL * corners_per_primitive(draw.topology);
+            draw.corners
+                .chunks(chunk)
+                .map(move |corners| (number, corners))
+        })
+        .collect();
+    let geometries: Vec<Geometry> = calls
+        .par_iter()
+        .map(|&(number, corners)| {
+            let draw = &plan.draws[number];
+            let mut geometry = Geometry::default();
+            let instance = draw.instance;
+            let call = VertexCall {
+                corners,
+                instance,
+                bindings: &bound[number],
+            };
+            draw.state.program.vertex_stage(&call, &mut geometry);
+            geometry
+        })
+        .collect();
+    let batches = calls.iter().zip(&geometries).map(|(&(number, _), geometry)| {
+        let draw = &plan.draws[number];
+        Batch {
+            geometry,
+            topology: draw.topology,
+            kernel: &*kernels[number],
+            blend: draw.state.program.layout().blend,
+            group: draw.group,
+            instance: draw.instance,
+        }
+    });
+    use_batches(&PassGeometry {
+        batches: batches.collect(),
+        draws: calls.iter().map(|&(number, _)| number).collect(),
+    })
 }
 
 /// What came of a draw.

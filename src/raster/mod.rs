@@ -73,6 +73,7 @@ mod order;
 mod pass;
 mod pixels;
 mod plane;
+mod probe;
 mod setup;
 mod shade;
 mod texture;
@@ -83,6 +84,7 @@ pub use colour::decode_srgb;
 pub use frame::{Image, Target};
 pub use kernel::{Fragment, Kernel, MAX_FLATS, MAX_VARYINGS, Pixel};
 pub use pass::{Options, render};
+pub use probe::{ProbedFragment, probe};
 pub use texture::{MipMap, Wrap};
 
 use crate::math::Vec4;

@@ -106,7 +106,8 @@ pub(super) fn primitive_count(batch: &Batch<'_>) -> usize {
     batch.geometry.corners.len() / corners_of(batch.topology)
 }
 
-fn corners_of(topology: Topology) -> usize {
+/// Corners a primitive.
+pub(super) fn corners_of(topology: Topology) -> usize {
     match topology {
         Topology::TriangleList => 3,
         Topology::QuadList => 4,

@@ -9,6 +9,7 @@ use super::frame::{BLOCK_SIDE, NOTHING};
 use super::hidden::{Furthest, PATCHES_A_ROW, SIDE, patch_number};
 use super::items::{Item, Items, NOBODY, each_owner};
 use super::order::Order;
+use super::probe::Point;
 use super::setup::{Chunk, Triangle};
 use super::view::{PixelBox, View};
 use super::{Batch, Blend, Counters, Key, Samples, Work};
@@ -317,7 +318,7 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// The three loops over a tile, compiled once a fragment stage.
+/// The three loops over a tile, compiled once a fragment stage; and a look at one pixel.
 #[expect(unnameable_types, reason = "seals `Kernel`: nobody else can call it")]
 pub trait Passes {
     /// Opaque triangles against depth and key.
@@ -326,6 +327,8 @@ pub trait Passes {
     fn shade(&self, tile: &mut Tile<'_>, entries: Range<usize>);
     /// Blended triangles in order.
     fn blend(&self, tile: &mut Tile<'_>, entries: Range<usize>);
+    /// Whether a fragment passes the alpha test, and its colour.
+    fn probe(&self, point: &Point<'_>) -> (bool, Vec4);
 }
 
 impl<F: super::Fragment> Passes for F {
@@ -348,5 +351,9 @@ impl<F: super::Fragment> Passes for F {
             Samples::One => super::shade::blend::<F, 1>(self, tile, entries),
             Samples::Four => super::shade::blend::<F, 4>(self, tile, entries),
         }
+    }
+
+    fn probe(&self, point: &Point<'_>) -> (bool, Vec4) {
+        point.look(self)
     }
 }

@@ -3,8 +3,8 @@
 use super::RunError;
 use super::world::World;
 use crate::gpu::{
-    Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, RenderPass, TargetDescriptor,
-    TargetId,
+    Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, ProbedFragment, RenderPass,
+    TargetDescriptor, TargetId,
 };
 use crate::math::{Digest, whole_u32};
 use crate::models::{
@@ -286,35 +286,15 @@ impl<'w> Session<'w> {
     /// None on this session's own device.
     pub fn draw(&mut self, frame: u32, change: Change) -> Result<Frame, RunError> {
         self.set_view(frame)?;
-        let mut steps = Vec::new();
-        let mut triangles = 0;
-        let mut leaves = 0;
-        for ((number, tree), resident) in (0..).zip(&self.world.trees).zip(&self.residents) {
+        let pass = self.pass();
+        let (mut triangles, mut leaves) = (0, 0);
+        for (tree, resident) in self.world.trees.iter().zip(&self.residents) {
             let crown = &self.world.crowns[tree.crown];
-            if let Some(trunk) = &self.trunks[tree.crown] {
-                trunk.draw(number, &mut steps);
-                triangles += u64::from(
-                    crown
-                        .plant()
-                        .trunk()
-                        .map_or(0, |mesh| mesh.triangle_count()),
-                );
-            }
-            resident.draw(&mut steps);
+            let trunk = crown.plant().trunk();
+            triangles += trunk.map_or(0, |mesh| u64::from(mesh.triangle_count()));
             leaves += u64::from(resident.state().leaf_count(crown.clusters()));
         }
         triangles += 2 * leaves;
-        let load = Load::Clear {
-            color: decode_srgb(self.scene.background),
-            depth: 1.0,
-        };
-        let label = "frame".to_owned();
-        let pass = RenderPass {
-            label,
-            target: self.target,
-            load,
-            steps,
-        };
         self.device.queue().submit(&[Command::Render(pass)])?;
         let image = self.device.present(self.target)?;
         Ok(Frame {
@@ -331,6 +311,36 @@ impl<'w> Session<'w> {
                 .map(|resident| resident.state().clone())
                 .collect(),
         })
+    }
+
+    /// The pass that draws all trees as they are committed.
+    fn pass(&self) -> RenderPass {
+        let mut steps = Vec::new();
+        for ((number, tree), resident) in (0..).zip(&self.world.trees).zip(&self.residents) {
+            if let Some(trunk) = &self.trunks[tree.crown] {
+                trunk.draw(number, &mut steps);
+            }
+            resident.draw(&mut steps);
+        }
+        RenderPass {
+            label: "frame".to_owned(),
+            target: self.target,
+            load: Load::Clear {
+                color: decode_srgb(self.scene.background),
+                depth: 1.0,
+            },
+            steps,
+        }
+    }
+
+    /// Every fragment of the frame that was drawn last at one of its pixels, in the order of
+    /// submission: what shows, what it hides, and what the alpha test killed.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn probe(&self, pixel: [u32; 2]) -> Result<Vec<ProbedFragment>, RunError> {
+        Ok(self.device.probe(&self.pass(), pixel)?)
     }
 
     /// Commits and draws one frame.

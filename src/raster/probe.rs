@@ -1,0 +1,130 @@
+//! One pixel under the microscope: every fragment that falls on it, whatever becomes of it.
+//!
+//! The same set-up, edge functions, depths and fragment stages as in [`render`](super::render), by
+//! the rule book's own words and without tiles, spans, lanes or anything that leaves work out. So it
+//! is slow a triangle, and a second witness of what the fast way shows.
+
+use super::plane::{Attributes, Edges, coordinates, depth_at};
+use super::setup::{Chunk, Triangle, corners_of, key, set_up};
+use super::view::{SUBPIXELS, View};
+use super::{Batch, Blend, Fragment, Key, Samples};
+use crate::math::Vec4;
+
+/// A fragment: what a triangle is at a pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProbedFragment {
+    /// The triangle's key.
+    pub key: Key,
+    /// The vertex ids of the primitive's corners, as submitted.
+    pub corners: Vec<u32>,
+    /// The depth at each sample that the triangle covers; at least one is covered.
+    pub depths: Vec<Option<f32>>,
+    /// Whether the alpha test keeps it.
+    pub kept: bool,
+    /// Whether the triangle is seen from its front.
+    pub front: bool,
+    /// How it meets what is there.
+    pub blend: Blend,
+    /// The linear colour that it has, also where it does not show.
+    pub colour: Vec4,
+}
+
+/// The fragments of batches at a pixel of a target of this size, in the order of submission.
+#[must_use]
+pub fn probe(
+    [width, height]: [u32; 2],
+    samples: Samples,
+    batches: &[Batch<'_>],
+    pixel: [u32; 2],
+) -> Vec<ProbedFragment> {
+    if pixel[0] >= width || pixel[1] >= height {
+        return Vec::new();
+    }
+    let view = View::new(width, height, samples);
+    let chunks = set_up(&view, batches);
+    let at = pixel.map(u32::cast_signed);
+    let mut fragments = Vec::new();
+    for chunk in &chunks {
+        for (triangle, pixels) in chunk.triangles.iter().zip(&chunk.boxes) {
+            let inside = |axis: usize| (pixels.first[axis]..=pixels.last[axis]).contains(&at[axis]);
+            if !inside(0) || !inside(1) {
+                continue;
+            }
+            let edges = Edges::of(triangle);
+            let depths: Vec<Option<f32>> = samples
+                .offsets()
+                .iter()
+                .map(|&offset| depth_of_sample(triangle, &edges, at, offset))
+                .collect();
+            if depths.iter().all(Option::is_none) {
+                continue;
+            }
+            let batch = &batches[triangle.batch as usize];
+            let point = Point {
+                triangle,
+                chunk,
+                edges,
+                pixel,
+                batch: *batch,
+            };
+            let (kept, colour) = batch.kernel.probe(&point);
+            let size = corners_of(batch.topology);
+            let first = triangle.primitive as usize * size;
+            let geometry = batch.geometry;
+            fragments.push(ProbedFragment {
+                key: key(batch, triangle),
+                corners: geometry.corners[first..first + size]
+                    .iter()
+                    .map(|&corner| geometry.vertex_ids[corner as usize])
+                    .collect(),
+                depths,
+                kept,
+                front: triangle.front,
+                blend: batch.blend,
+                colour,
+            });
+        }
+    }
+    fragments
+}
+
+/// The depth at a sample of a pixel, if the triangle covers it.
+fn depth_of_sample(
+    triangle: &Triangle,
+    edges: &Edges,
+    [x, y]: [i32; 2],
+    offset: [i32; 2],
+) -> Option<f32> {
+    let [dx, dy] = offset.map(|offset| i64::from(offset - SUBPIXELS / 2));
+    let centre = edges.at_pixel(x, y);
+    let at: [i64; 3] =
+        std::array::from_fn(|k| centre[k] + (edges.right[k] * dx + edges.down[k] * dy));
+    let covered = (0..3).all(|k| at[k] + edges.bias[k] >= 0);
+    covered.then(|| depth_at(triangle, coordinates([at[1], at[2]])))
+}
+
+/// A pixel of a triangle.
+#[expect(unnameable_types, reason = "seals `Kernel`: nobody else can make one")]
+#[derive(Debug)]
+pub struct Point<'a> {
+    triangle: &'a Triangle,
+    chunk: &'a Chunk,
+    edges: Edges,
+    pixel: [u32; 2],
+    batch: Batch<'a>,
+}
+
+impl Point<'_> {
+    /// Whether the fragment is there, and its colour.
+    pub(super) fn look<F: Fragment>(&self, fragment: &F) -> (bool, Vec4) {
+        let [x, y] = self.pixel.map(u32::cast_signed);
+        let [_, second, third] = self.edges.at_pixel(x, y);
+        let centre = coordinates([second, third]);
+        let depth = depth_at(self.triangle, centre);
+        let attributes = Attributes::of::<F>(self.triangle, &self.edges, self.chunk, &self.batch);
+        attributes.pixel::<F, _>(centre, self.pixel, depth, |pixel| {
+            let kept = !F::TESTS_ALPHA || fragment.keeps_all() || fragment.keeps(pixel);
+            (kept, fragment.shade(pixel))
+        })
+    }
+}
