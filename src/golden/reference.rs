@@ -105,6 +105,7 @@ fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::index_usize;
 
     #[test]
     fn references_are_known_by_their_names() {
@@ -142,7 +143,7 @@ mod tests {
         fs::write(&file, png(160, 160)).unwrap();
         assert_eq!(read_picture(&file).map(|picture| picture.width()), Ok(160));
         let mut large = png(1, 1);
-        large.resize(MAX_FILE_BYTES as usize + 1, 0);
+        large.resize(index_usize(MAX_FILE_BYTES) + 1, 0);
         fs::write(&file, large).unwrap();
         let large = Err(FindingKind::Oversized {
             size: Some([1, 1]),

@@ -9,8 +9,8 @@ use super::program::Program;
 use super::reads::ReadSet;
 use super::resource::{Buffer, TargetSlot, TextureSlot};
 use super::{
-    BufferDescriptor, BufferId, Card, GpuError, Ledger, Link, ProgramId, Queue, RenderPass, Residency,
-    TargetDescriptor, TargetId, TextureDescriptor, TextureId,
+    BufferDescriptor, BufferId, Card, GpuError, Ledger, Link, ProgramId, Queue, RenderPass,
+    Residency, TargetDescriptor, TargetId, TextureDescriptor, TextureId,
 };
 use crate::math::{index_u32, index_usize};
 use crate::raster::{Image, Key, MipMap, Options, ProbedFragment, Samples, Target};

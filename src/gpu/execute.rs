@@ -108,17 +108,20 @@ fn with_batches<R>(
             geometry
         })
         .collect();
-    let batches = calls.iter().zip(&geometries).map(|(&(number, _), geometry)| {
-        let draw = &plan.draws[number];
-        Batch {
-            geometry,
-            topology: draw.topology,
-            kernel: &*kernels[number],
-            blend: draw.state.program.layout().blend,
-            group: draw.group,
-            instance: draw.instance,
-        }
-    });
+    let batches = calls
+        .iter()
+        .zip(&geometries)
+        .map(|(&(number, _), geometry)| {
+            let draw = &plan.draws[number];
+            Batch {
+                geometry,
+                topology: draw.topology,
+                kernel: &*kernels[number],
+                blend: draw.state.program.layout().blend,
+                group: draw.group,
+                instance: draw.instance,
+            }
+        });
     use_batches(&PassGeometry {
         batches: batches.collect(),
         draws: calls.iter().map(|&(number, _)| number).collect(),

@@ -38,7 +38,6 @@ mod resource;
 /// What the stages of a program are written against.
 pub use crate::raster::{
     Blend, Fragment, Geometry, Kernel, MAX_FLATS, MAX_VARYINGS, MipMap, Pixel, Topology, Wrap,
-
 };
 /// What a pixel is asked, and what it answers.
 pub use crate::raster::{Image, Key, ProbedFragment, Target};

@@ -350,7 +350,7 @@ fn omitted_leaves_are_gone_and_the_others_stay() {
     let second = "color = \"#ffffff\"\n[[foliage]]\nsilhouette = \"oval\"\n";
     let tables = |omit: &str| format!("{second}[leaves]\nomit = [{omit}]\n");
     let grown = |omit: &str| grow(&small("leaf_count = 60", &tables(omit)), 3);
-    let leaves = |plant: &crate::plant::Plant| -> Vec<_> {
+    let leaves = |plant: &Plant| -> Vec<_> {
         let groups = plant.foliage().groups.iter();
         groups
             .flat_map(|group| {
