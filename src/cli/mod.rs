@@ -14,6 +14,8 @@ mod golden;
 mod grow;
 mod inspect;
 mod prepare;
+// WebAssembly has no terminal to draw a bar on.
+#[cfg_attr(target_family = "wasm", path = "progress_none.rs")]
 mod progress;
 mod run;
 mod storage;

@@ -278,7 +278,7 @@ fn unused_sibling(
     loop {
         let mut hidden = OsString::from(".");
         hidden.push(name);
-        hidden.push(format!(".spinney-{}-{attempt}", std::process::id()));
+        hidden.push(format!(".spinney-{}-{attempt}", process_number()));
         let path = parent.join(hidden);
         match make(&path) {
             Ok(()) => return Ok(path),
@@ -287,6 +287,15 @@ fn unused_sibling(
             }
             Err(error) => return Err(error),
         }
+    }
+}
+
+/// What tells apart the hidden names of two processes; 0 where there are none to tell apart.
+fn process_number() -> u32 {
+    if cfg!(target_family = "wasm") {
+        0
+    } else {
+        std::process::id()
     }
 }
 
