@@ -17,4 +17,5 @@ mod report;
 mod scene;
 mod simplify_props;
 mod support;
+mod threads;
 mod walks;

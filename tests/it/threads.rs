@@ -1,0 +1,130 @@
+//! What the program leaves on disk says nothing of how many threads wrote it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+/// A walk past two trees, with several tiles and more bytes of picture than one thread digests.
+const SCENE: &str = r#"schema = "spinney.scene/1"
+size = [224, 160]
+frames = 3
+
+[[tree]]
+species = "SPECIES"
+
+[[tree]]
+species = "SPECIES"
+seed = 2
+position = [1.5, 0.0, -1.0]
+
+[camera]
+path = [
+    { frame = 0, eye = [0.0, 1.2, 3.0], target = [0.4, 0.9, 0.0] },
+    { frame = 2, eye = [2.0, 1.2, 9.0], target = [0.4, 0.9, 0.0] },
+]
+
+[model]
+mode = "slots"
+detail = "variable"
+d_min = 2.0
+d_max = 9.0
+"#;
+
+/// How the program is told: `--threads`, `RAYON_NUM_THREADS`.
+const TOLD: [[Option<&str>; 2]; 4] = [
+    [Some("1"), None],
+    [Some("64"), None],
+    [None, Some("3")],
+    [None, None],
+];
+
+#[test]
+fn run_folders_are_the_same_with_any_number_of_threads() {
+    let arguments = ["run", "scene.toml", "--layers", "--counters", "exact"];
+    let kinds = [
+        "csv", "exr", "html", "json", "jsonl", "png", "spinney", "toml",
+    ];
+    assert_same_folders(
+        &arguments,
+        &kinds,
+        &["frame-0002.exr", "ledger.json", "trace.json"],
+    );
+}
+
+#[test]
+fn sweep_folders_are_the_same_with_any_number_of_threads() {
+    let arguments = ["sweep", "scene.toml", "--steps", "3"];
+    assert_same_folders(
+        &arguments,
+        &["csv", "html", "json", "spinney", "svg"],
+        &["sweep.csv"],
+    );
+}
+
+/// Runs the program in every way it can be told of threads, and compares the folders, which must
+/// hold files of just these kinds, these among them.
+fn assert_same_folders(arguments: &[&str], kinds: &[&str], named: &[&str]) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let species = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let species = species.join("scenes/species/pistacia_lentiscus.toml");
+    std::fs::copy(species, folder.path().join("shrub.toml")).expect("the shipped species");
+    let scene = SCENE.replace("SPECIES", "shrub.toml");
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("writable");
+    let mut wanted = None;
+    for [threads, environment] in TOLD {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_spinney"));
+        program.args(arguments).args(["-o", "out"]);
+        program
+            .current_dir(folder.path())
+            .env_remove("RAYON_NUM_THREADS");
+        if let Some(threads) = threads {
+            program.args(["--threads", threads]);
+        }
+        if let Some(threads) = environment {
+            program.env("RAYON_NUM_THREADS", threads);
+        }
+        let output = program.output().expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        let out = folder.path().join("out");
+        let mut files = BTreeMap::from([("standard output".to_owned(), output.stdout)]);
+        collect(&out, "", &mut files);
+        std::fs::remove_dir_all(out).expect("writable");
+        let Some(wanted) = &wanted else {
+            let mut found: Vec<_> = files
+                .keys()
+                .filter_map(|file| file.split('.').nth(1))
+                .collect();
+            found.sort_unstable();
+            found.dedup();
+            assert_eq!(found, kinds);
+            for file in named {
+                assert!(files.contains_key(*file), "{file} is missing");
+            }
+            wanted = Some(files);
+            continue;
+        };
+        let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+        assert_eq!(names(&files), names(wanted), "{threads:?}, {environment:?}");
+        for (file, bytes) in &files {
+            assert!(
+                *bytes == wanted[file],
+                "{file} differs: {threads:?}, {environment:?}"
+            );
+        }
+    }
+}
+
+/// Every file below a folder with what it holds.
+fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("readable").path();
+        let name = path.file_name().expect("named").to_string_lossy();
+        let name = format!("{prefix}{name}");
+        if path.is_dir() {
+            collect(&path, &format!("{name}/"), files);
+        } else {
+            files.insert(name, std::fs::read(path).expect("readable"));
+        }
+    }
+}
