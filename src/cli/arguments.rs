@@ -69,6 +69,8 @@ pub(super) enum Command {
     Grow(GrowOptions),
     /// Compare scenes with what they showed when somebody last looked
     Golden(GoldenOptions),
+    /// Compare two images or two run folders
+    Diff(DiffOptions),
     /// Explain the commands, or the keys of scene or species files
     Help(HelpOptions),
 }
@@ -177,6 +179,17 @@ pub(super) struct GoldenDigestsOptions {
     /// Folder of scenes
     #[arg(default_value = "scenes")]
     pub(super) folder: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct DiffOptions {
+    /// What is expected: an image (.png, .exr) or a run folder
+    pub(super) expected: PathBuf,
+    /// What there is, of the same sort
+    pub(super) actual: PathBuf,
+    /// The largest difference of a pixel of a PNG, of 255, that counts as none
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) tolerance: u8,
 }
 
 #[derive(Debug, Args)]

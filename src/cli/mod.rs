@@ -9,6 +9,7 @@
 //! | 4 | cannot write |
 
 mod arguments;
+mod diff;
 mod error;
 mod golden;
 mod grow;
@@ -38,7 +39,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let terminal = Terminal::new(&arguments.shared);
     match terminal.within_threads(arguments.shared.threads, || dispatch(&arguments, &terminal)) {
-        Ok(()) => 0,
+        Ok(Verdict::Passed) => 0,
+        Ok(Verdict::Failed) => 1,
         Err(error) => {
             terminal.error(&error);
             error.code()
@@ -46,9 +48,19 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<(), CliError> {
+/// How a command ended that did what it was asked to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    /// Done, or the same.
+    Passed,
+    /// Differs, or a check failed; the command has said so.
+    Failed,
+}
+
+fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliError> {
     let shared = &arguments.shared;
-    match &arguments.command {
+    let done = match &arguments.command {
+        Command::Diff(options) => return diff::diff(options, shared, terminal),
         Command::Run(options) => run::run(options, shared, terminal),
         Command::Sweep(options) => sweep::sweep(options, shared, terminal),
         Command::Storage(options) => storage::storage(options, shared, terminal),
@@ -60,5 +72,6 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<(), CliError> 
             Some(Topic::Species) => terminal.print(crate::plant::Species::HELP),
             None => terminal.print(&arguments::long_help()),
         },
-    }
+    };
+    done.map(|()| Verdict::Passed)
 }

@@ -31,6 +31,8 @@ pub enum Section {
     Figure(String),
     /// Pictures beside each other.
     Images(Vec<PageImage>),
+    /// Pictures beside each other, two a row where the window is wide, else one.
+    Large(Vec<PageImage>),
 }
 
 /// A picture on a page.
@@ -60,7 +62,7 @@ impl Page {
             .sections
             .iter()
             .map(|section| match section {
-                Section::Images(images) => images.len(),
+                Section::Images(images) | Section::Large(images) => images.len(),
                 _ => 0,
             })
             .sum();
@@ -107,6 +109,7 @@ th{border-bottom-width:2px}tbody tr:nth-child(even){background:var(--band)}
 .n{text-align:right;white-space:nowrap}td:first-child{white-space:nowrap}
 figure{margin:1rem 0}svg,img{display:block;max-width:100%;height:auto}svg{min-width:32rem}
 .images{display:grid;grid-template-columns:repeat(auto-fill,minmax(10rem,1fr));gap:.75rem;margin:1rem 0}
+.large{grid-template-columns:repeat(auto-fill,minmax(min(100%,24rem),1fr))}.large img{width:100%}
 .images figure{margin:0}.images img{border:1px solid var(--rule);image-rendering:pixelated}
 figcaption{font-size:.8125rem;color:var(--soft);overflow-wrap:anywhere}
 ";
@@ -120,10 +123,8 @@ fn section_html(section: &Section) -> String {
         Section::Text(text) => format!("<p>{}</p>\n", escape(text)),
         Section::Table { caption, table } => table_html(caption, table),
         Section::Figure(svg) => format!("<figure class=\"wide\">\n{svg}</figure>\n"),
-        Section::Images(images) => {
-            let images: String = images.iter().map(image_html).collect();
-            format!("<div class=\"images\">\n{images}</div>\n")
-        }
+        Section::Images(images) => images_html("images", images),
+        Section::Large(images) => images_html("images large", images),
     }
 }
 
@@ -154,6 +155,11 @@ fn table_html(caption: &str, table: &Table) -> String {
         html += "</tr>\n";
     }
     html + "</tbody>\n</table></div>\n"
+}
+
+fn images_html(class: &str, images: &[PageImage]) -> String {
+    let images: String = images.iter().map(image_html).collect();
+    format!("<div class=\"{class}\">\n{images}</div>\n")
 }
 
 fn image_html(image: &PageImage) -> String {

@@ -33,9 +33,9 @@ mod thumbnail;
 pub use axis::{Axis, Scale};
 pub use channels::{Channel, ImageFile, SampleKind};
 pub use diff::{
-    ChannelDifference, ChannelDifferences, Difference, FieldDifference, FileDifference, FileState,
-    Flip, FrameDifference, ImageDifference, LookDifference, Metrics, RunDifference, SizeMismatch,
-    flip, ssim, triptych,
+    ChannelDifference, ChannelDifferences, DIFF_SCHEMA, DiffFolder, Difference, FieldDifference,
+    FileDifference, FileState, Flip, FrameDifference, ImageDifference, LookDifference, Metrics,
+    RunDifference, SizeMismatch, flip, ssim, triptych,
 };
 pub use file::write_file;
 pub use folder::{MARKER, OutputFolder};

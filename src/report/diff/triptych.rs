@@ -1,6 +1,7 @@
 //! Three pictures in one: what was expected, what differs, what there is.
 
 use super::difference::{apart, rows, size};
+use crate::math::index_u32;
 use crate::report::{Picture, ReportError};
 
 /// Columns between the pictures.
@@ -58,6 +59,43 @@ pub fn triptych(
     Picture::new(width, height, triptych.into_flattened())
 }
 
+/// The middle of a triptych alone, with both sides divided by `factor`, rounded up: a pixel that
+/// stands for several shows the largest difference of them, so that none is lost.
+///
+/// # Errors
+///
+/// None for two pictures.
+pub(super) fn differing(
+    expected: &Picture,
+    actual: &Picture,
+    tolerance: u8,
+    factor: u32,
+) -> Result<Picture, ReportError> {
+    let [[w0, h0], [w1, h1]] = [expected, actual].map(size);
+    let step = factor.max(1) as usize;
+    let (width, height) = (w0.max(w1) as usize, h0.max(h1) as usize);
+    let [one, other]: [Vec<&[[u8; 4]]>; 2] =
+        [expected, actual].map(|picture| rows(picture).collect());
+    let at =
+        |rows: &[&[[u8; 4]]], x: usize, y: usize| rows.get(y).and_then(|row| row.get(x)).copied();
+    let mut pixels = Vec::new();
+    for top in (0..height).step_by(step) {
+        for left in (0..width).step_by(step) {
+            let rows = top..height.min(top + step);
+            let places = rows.flat_map(|y| (left..width.min(left + step)).map(move |x| (x, y)));
+            let shown = places.map(|(x, y)| between(at(&one, x, y), at(&other, x, y), tolerance));
+            // Of reds the one with least green; only without any the first of the others.
+            let key = |pixel: &[u8; 4]| match is_red(*pixel) {
+                true => pixel[1],
+                false => u8::MAX,
+            };
+            pixels.push(shown.min_by_key(key).unwrap_or(NOTHING));
+        }
+    }
+    let [columns, lines] = [width, height].map(|side| index_u32(side.div_ceil(step)));
+    Picture::new(columns, lines, pixels.into_flattened())
+}
+
 /// The colour of a difference.
 fn between(one: Option<[u8; 4]>, other: Option<[u8; 4]>, tolerance: u8) -> [u8; 4] {
     let red = |difference: u8| [255, 160 - difference / 2, 0, 255];
@@ -74,6 +112,11 @@ fn between(one: Option<[u8; 4]>, other: Option<[u8; 4]>, tolerance: u8) -> [u8; 
     }
 }
 
+/// Whether a colour is that of a difference.
+fn is_red([red, _, blue, alpha]: [u8; 4]) -> bool {
+    (red, blue, alpha) == (255, 0, 255)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::tests::grey;
@@ -81,9 +124,8 @@ mod tests {
 
     /// Which pixels are red, as places in a row.
     fn reds(picture: &Picture) -> Vec<(usize, usize)> {
-        let is_red = |pixel: &[u8; 4]| pixel[0] == 255 && pixel[2] == 0;
         let row = |(y, row): (usize, &[[u8; 4]])| {
-            let red = row.iter().enumerate().filter(|(_, pixel)| is_red(pixel));
+            let red = row.iter().enumerate().filter(|(_, pixel)| is_red(**pixel));
             red.map(|(x, _)| (x, y)).collect::<Vec<_>>()
         };
         rows(picture).enumerate().flat_map(row).collect()
@@ -103,6 +145,19 @@ mod tests {
             );
         }
         assert_eq!(reds(&triptych(&one, &other, 30).unwrap()), []);
+    }
+
+    #[test]
+    fn no_difference_is_lost_where_the_middle_is_made_smaller() {
+        let (one, other) = (grey(0, 100), grey(4, 130));
+        let found = differing(&one, &other, 0, 2).unwrap();
+        assert_eq!(size(&found), [2, 1]);
+        assert_eq!(reds(&found), [(0, 0)]);
+        let whole = differing(&one, &other, 0, 1).unwrap();
+        let middle: Vec<_> = rows(&triptych(&one, &other, 0).unwrap())
+            .flat_map(|row| row[5..8].to_vec())
+            .collect();
+        assert_eq!(whole.rgba(), middle.as_flattened());
     }
 
     #[test]
