@@ -63,7 +63,7 @@ fn shrub(more: &str) -> String {
         .replacen("leaf_count = 5594", "leaf_count = 600", 1)
         .replacen("stop_leaves = 90", "stop_leaves = 20", 1)
         .replacen("[leaves]", &format!("[leaves]\n{more}"), 1);
-    for part in ["= 600", "= 20\n", more] {
+    for part in ["= 600", "= 20 ", more] {
         assert!(small.contains(part), "{small}");
     }
     small
