@@ -3,6 +3,8 @@
 
 use std::path::Path;
 
+use crate::limits;
+
 /// What is wrong with a text file, and where.
 ///
 /// Prints as `FILE:LINE:COLUMN: MESSAGE`; lines and columns count from 1, columns in characters.
@@ -43,34 +45,20 @@ pub struct Document {
 }
 
 impl Document {
-    /// The largest text file that is read, in bytes.
-    pub const MAX_BYTES: u64 = 16 << 20;
-
-    /// Reads a UTF-8 file of at most [`Document::MAX_BYTES`].
+    /// Reads a UTF-8 file of at most [`limits::TEXT_BYTES`].
     ///
     /// # Errors
     ///
     /// When the file cannot be read, is too large or is not UTF-8; then line and column are 1, or
     /// the place of the first byte that is no UTF-8.
     pub fn read(path: &Path) -> Result<Self, DocumentError> {
-        use std::io::Read as _;
         let file = path.display().to_string();
-        let fail = |message: String| DocumentError {
+        let bytes = read_file(path, limits::TEXT_BYTES).map_err(|error| DocumentError {
             file: file.clone(),
             line: 1,
             column: 1,
-            message,
-        };
-        let opened =
-            std::fs::File::open(path).map_err(|error| fail(format!("cannot read: {error}")))?;
-        let mut bytes = Vec::new();
-        opened
-            .take(Self::MAX_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(|error| fail(format!("cannot read: {error}")))?;
-        if bytes.len() as u64 > Self::MAX_BYTES {
-            return Err(fail(format!("larger than {} bytes", Self::MAX_BYTES)));
-        }
+            message: error.to_string(),
+        })?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self { file, text }),
             Err(error) => {
@@ -100,17 +88,62 @@ impl Document {
     }
 }
 
+/// Reads a whole regular file of at most `limit` bytes: what every reader begins with.
+///
+/// # Errors
+///
+/// When the system cannot read it, it is a folder, pipe or device, which can keep a reader waiting
+/// for ever, or it is larger; then no more than the limit was read.
+pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+    use std::io::Read as _;
+    let failed = |error: std::io::Error| ReadError::System(error.to_string());
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(ReadError::NoFile);
+    }
+    let mut bytes = Vec::new();
+    let mut found = metadata.len();
+    if found <= limit {
+        // It may grow, or hold more than it says, as some of the system's own files do.
+        let file = std::fs::File::open(path).map_err(failed)?;
+        let mut file = file.take(limit.saturating_add(1));
+        file.read_to_end(&mut bytes).map_err(failed)?;
+        found = bytes.len() as u64;
+    }
+    if found > limit {
+        return Err(ReadError::TooLarge { found, limit });
+    }
+    Ok(bytes)
+}
+
+/// Why a file was not read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// What the system says.
+    #[error("cannot read: {0}")]
+    System(String),
+    /// A folder, a pipe or a device.
+    #[error("cannot read: not a regular file")]
+    NoFile,
+    /// It has more bytes than it may.
+    #[error("{found} bytes exceed the limit of {limit}")]
+    TooLarge {
+        /// How many it has, at least.
+        found: u64,
+        /// How many it may have.
+        limit: u64,
+    },
+}
+
 /// Line and column, both from 1, of a byte offset.
 #[must_use]
 pub fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
-    let before: Vec<char> = text
-        .char_indices()
-        .take_while(|(at, _)| *at < offset)
-        .map(|(_, c)| c)
-        .collect();
-    let line = 1 + before.iter().filter(|&&c| c == '\n').count();
-    let column = 1 + before.iter().rev().take_while(|&&c| c != '\n').count();
-    (line, column)
+    let before = text.char_indices().take_while(|(at, _)| *at < offset);
+    before.fold((1, 1), |(line, column), (_, c)| match c {
+        '\n' => (line + 1, 1),
+        _ => (line, column + 1),
+    })
 }
 
 #[cfg(test)]

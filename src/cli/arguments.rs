@@ -71,7 +71,7 @@ pub(super) enum Command {
     Golden(GoldenOptions),
     /// Compare two images or two run folders
     Diff(DiffOptions),
-    /// Explain the commands, or the keys of scene or species files
+    /// Explain the commands, the keys of scene or species files, or the limits
     Help(HelpOptions),
 }
 
@@ -206,6 +206,8 @@ pub(super) enum Topic {
     Scene,
     /// The keys of species files
     Species,
+    /// How much files and scenes may ask for
+    Limits,
 }
 
 /// What `spinney --help` prints.

@@ -9,6 +9,15 @@ use crate::report::ReportError;
 use crate::run::RunError;
 use crate::scene::SceneError;
 
+/// Whether a stated budget was exceeded.
+fn is_budget(error: &RunError) -> bool {
+    matches!(
+        error,
+        RunError::Gpu(GpuError::OutOfMemory { .. } | GpuError::OutOfHostMemory { .. })
+            | RunError::TooMany { .. }
+    )
+}
+
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum CliError {
@@ -38,12 +47,8 @@ impl CliError {
     /// The exit code.
     pub(super) fn code(&self) -> u8 {
         match self {
-            Self::Run(RunError::Gpu(GpuError::OutOfMemory { .. })) => 3,
-            Self::Golden(GoldenError::Run { source, .. })
-                if matches!(**source, RunError::Gpu(GpuError::OutOfMemory { .. })) =>
-            {
-                3
-            }
+            Self::Run(error) if is_budget(error) => 3,
+            Self::Golden(GoldenError::Run { source, .. }) if is_budget(source) => 3,
             Self::Report(error) if error.is_write() => 4,
             Self::Golden(error) if error.is_write() => 4,
             Self::Write { .. } => 4,

@@ -69,6 +69,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
         Command::Golden(options) => golden::golden(options, shared, terminal),
         Command::Help(options) => match options.topic {
             Some(Topic::Scene) => terminal.print(&crate::scene::key_help()),
+            Some(Topic::Limits) => terminal.print(&crate::limits::limit_help()),
             Some(Topic::Species) => terminal.print(crate::plant::Species::HELP),
             None => terminal.print(&arguments::long_help()),
         },

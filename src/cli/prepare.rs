@@ -52,8 +52,10 @@ impl Prepared {
         for remark in &world.remarks {
             terminal.remark(remark);
         }
+        let crowns = world.crowns.iter();
+        let digests: Vec<_> = crowns.map(|crown| crown.plant().digest()).collect();
         for (tree, standing) in scene.trees.iter_mut().zip(&world.trees) {
-            tree.plant_digest = Some(world.crowns[standing.crown].plant().digest());
+            tree.plant_digest = Some(digests[standing.crown]);
         }
         Ok(Self {
             scene,

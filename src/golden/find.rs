@@ -10,7 +10,7 @@ use crate::run::{RunError, SessionOptions};
 use crate::scene::SceneFile;
 
 /// How deep folders of scenes may lie in each other.
-const MAX_DEPTH: usize = 16;
+const MAX_DEPTH: usize = crate::limits::FOLDER_DEPTH;
 
 /// A scene file, not read yet.
 #[derive(Debug, Clone)]

@@ -5,14 +5,15 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use super::outcome::FindingKind;
+use crate::limits;
 use crate::report::Picture;
 
 /// The largest side of a reference picture, in pixels; [`KEYS`](crate::scene::KEYS) allows no scene
 /// more.
-pub const MAX_SIDE: u32 = 160;
+pub const MAX_SIDE: u32 = limits::GOLDEN_SIDE;
 
 /// The largest reference file, in bytes: what a repository can hold hundreds of.
-pub const MAX_FILE_BYTES: u64 = 32 << 10;
+pub const MAX_FILE_BYTES: u64 = limits::GOLDEN_BYTES;
 
 /// The references of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]

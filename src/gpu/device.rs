@@ -12,6 +12,7 @@ use super::{
     BufferDescriptor, BufferId, Card, GpuError, Ledger, Link, ProgramId, Queue, RenderPass,
     Residency, TargetDescriptor, TargetId, TextureDescriptor, TextureId,
 };
+use crate::limits;
 use crate::math::{index_u32, index_usize};
 use crate::raster::{Image, Key, MipMap, Options, ProbedFragment, Samples, Target};
 
@@ -40,13 +41,9 @@ pub struct Device {
     pub(super) reads: Option<ReadSet>,
     resident: u64,
     peak: u64,
+    /// Bytes of buffers in host memory.
+    hosted: u64,
 }
-
-/// The most pixels that a render target may have on a side.
-pub const MAX_TARGET_SIDE: u32 = 16_384;
-
-/// The most texels that a texture may have on a side.
-pub const MAX_TEXTURE_SIDE: u32 = 8192;
 
 impl Device {
     /// An empty device.
@@ -62,6 +59,7 @@ impl Device {
             reads: None,
             resident: 0,
             peak: 0,
+            hosted: 0,
         }
     }
 
@@ -75,7 +73,8 @@ impl Device {
     /// # Errors
     ///
     /// [`GpuError::OutOfMemory`] when a device-resident buffer does not fit the budget, or any
-    /// buffer not this machine.
+    /// buffer not this machine; [`GpuError::OutOfHostMemory`] when all in host memory exceed
+    /// [`HOST_BYTES`](limits::HOST_BYTES).
     pub fn create_buffer(
         &mut self,
         descriptor: &BufferDescriptor<'_>,
@@ -84,8 +83,9 @@ impl Device {
         let size = usize::try_from(descriptor.size).map_err(|_overflow| refused())?;
         let mut bytes = Vec::new();
         bytes.try_reserve_exact(size).map_err(|_full| refused())?;
-        if descriptor.residency == Residency::Device {
-            self.allocate(descriptor.label, descriptor.size)?;
+        match descriptor.residency {
+            Residency::Device => self.allocate(descriptor.label, descriptor.size)?,
+            Residency::Host => self.allocate_on_host(descriptor.label, descriptor.size)?,
         }
         bytes.resize(size, 0);
         self.buffers.push(Some(Buffer {
@@ -111,8 +111,10 @@ impl Device {
             what: "buffer",
             index: buffer.0,
         })?;
-        if freed.residency == Residency::Device {
-            self.resident -= freed.bytes.len() as u64;
+        let bytes = freed.bytes.len() as u64;
+        match freed.residency {
+            Residency::Device => self.resident -= bytes,
+            Residency::Host => self.hosted -= bytes,
         }
         Ok(())
     }
@@ -134,7 +136,7 @@ impl Device {
             levels,
         } = *descriptor;
         for (what, side) in [("width", width), ("height", height)] {
-            check(label, what, side, 1, MAX_TEXTURE_SIDE)?;
+            check(label, what, side, 1, limits::TEXTURE_SIDE)?;
         }
         check(
             label,
@@ -160,7 +162,7 @@ impl Device {
     ///
     /// # Errors
     ///
-    /// [`GpuError::Descriptor`] when a side is 0 or above [`MAX_TARGET_SIDE`],
+    /// [`GpuError::Descriptor`] when a side is 0 or above [`IMAGE_SIDE`](limits::IMAGE_SIDE),
     /// [`GpuError::OutOfMemory`] when it does not fit the budget.
     pub fn create_target(
         &mut self,
@@ -173,7 +175,7 @@ impl Device {
             samples,
         } = *descriptor;
         for (what, side) in [("width", width), ("height", height)] {
-            check(label, what, side, 1, MAX_TARGET_SIDE)?;
+            check(label, what, side, 1, limits::IMAGE_SIDE)?;
         }
         self.allocate(label, target_bytes(width, height, samples))?;
         let target = Target::new(width, height, samples);
@@ -399,6 +401,20 @@ impl Device {
         }
         self.resident += bytes;
         self.peak = self.peak.max(self.resident);
+        Ok(())
+    }
+
+    fn allocate_on_host(&mut self, label: &str, bytes: u64) -> Result<(), GpuError> {
+        let free = limits::HOST_BYTES - self.hosted;
+        if bytes > free {
+            return Err(GpuError::OutOfHostMemory {
+                label: label.to_owned(),
+                asked: bytes,
+                free,
+                budget: limits::HOST_BYTES,
+            });
+        }
+        self.hosted += bytes;
         Ok(())
     }
 

@@ -19,6 +19,18 @@ pub enum GpuError {
         /// Bytes in all.
         budget: u64,
     },
+    /// Buffers in host memory would exceed what the simulated machine has.
+    #[error("{label:?} asks for {asked} bytes of host memory, but {free} of {budget} are free")]
+    OutOfHostMemory {
+        /// What was to be created.
+        label: String,
+        /// Bytes asked for.
+        asked: u64,
+        /// Bytes free.
+        free: u64,
+        /// Bytes in all.
+        budget: u64,
+    },
     /// A range reaches past the end of a resource.
     #[error("{label:?} holds {holds} bytes, {what} wants {from}..{to}")]
     Bounds {

@@ -43,7 +43,7 @@ pub use crate::raster::{
 pub use crate::raster::{Image, Key, ProbedFragment, Target};
 pub use bus::{Recording, RecordingEntry, ResourceId};
 pub use card::{Card, DrawWork};
-pub use device::{Device, DeviceDescriptor, MAX_TARGET_SIDE, MAX_TEXTURE_SIDE};
+pub use device::{Device, DeviceDescriptor};
 pub use error::GpuError;
 pub use ledger::{Cause, Ledger, Share, Stream, Traffic, Transfer, WorkCounts};
 pub use link::{Link, TICKS_PER_NANOSECOND, Ticks, nanoseconds};

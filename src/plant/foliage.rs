@@ -1,6 +1,7 @@
 //! Leaves, in groups that share a prototype and a material.
 
-use super::{MAX_LEAVES, MAX_VERTICES, Material, PlantError};
+use super::{Material, PlantError};
+use crate::limits;
 use crate::math::{Aabb, Digester, Vec2, Vec3, index_u32};
 
 /// What a leaf without a known branch names as its owner.
@@ -149,23 +150,23 @@ impl Foliage {
 
     pub(super) fn check(&self, branch_count: usize) -> Result<(), PlantError> {
         let found = self.leaf_count();
-        if found > MAX_LEAVES {
+        if found > limits::PLANT_LEAVES {
             let part = "foliage".to_owned();
             return Err(PlantError::TooMany {
                 part,
                 what: "leaves",
                 found,
-                limit: MAX_LEAVES,
+                limit: limits::PLANT_LEAVES,
             });
         }
         let found = self.groups.iter().map(|group| group.positions.len()).sum();
-        if found > MAX_VERTICES {
+        if found > limits::PLANT_VERTICES {
             let part = "foliage".to_owned();
             return Err(PlantError::TooMany {
                 part,
                 what: "vertices",
                 found,
-                limit: MAX_VERTICES,
+                limit: limits::PLANT_VERTICES,
             });
         }
         self.groups

@@ -1,6 +1,7 @@
 //! Triangle meshes, and what surfaces look like.
 
 use super::{PlantError, Texture};
+use crate::limits;
 use crate::math::{Digester, Vec2, Vec3, index_u32};
 
 /// What a surface looks like.
@@ -82,8 +83,8 @@ impl Mesh {
     pub(super) fn check(&self) -> Result<(), PlantError> {
         let part = || "trunk".to_owned();
         let count = self.positions.len();
-        if count > super::MAX_VERTICES {
-            let limit = super::MAX_VERTICES;
+        if count > limits::PLANT_VERTICES {
+            let limit = limits::PLANT_VERTICES;
             return Err(PlantError::TooMany {
                 part: part(),
                 what: "vertices",

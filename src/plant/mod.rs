@@ -31,7 +31,7 @@ pub use species::{
 };
 pub use texture::Texture;
 pub use tube::{Tubes, trunk_mesh};
-pub use weber_penn::{GrowError, MAX_BRANCHES, MAX_GROWN_LEAVES, MAX_NODES, grow};
+pub use weber_penn::{GrowError, grow};
 
 use crate::math::{Aabb, Digest, Digester};
 
@@ -50,7 +50,8 @@ impl Plant {
     /// # Errors
     ///
     /// When an index is out of range, a coordinate is not finite, a count does not fit the limits
-    /// ([`MAX_LEAVES`], [`MAX_VERTICES`]), or a leaf names a branch that the skeleton lacks.
+    /// ([`PLANT_LEAVES`](crate::limits::PLANT_LEAVES),
+    /// [`PLANT_VERTICES`](crate::limits::PLANT_VERTICES)), or a leaf names a branch that the skeleton lacks.
     pub fn new(
         name: impl Into<String>,
         skeleton: Option<Skeleton>,
@@ -130,12 +131,6 @@ impl Plant {
         digester.finish()
     }
 }
-
-/// The most leaves that a plant may have; more is refused where it enters.
-pub const MAX_LEAVES: usize = 16_000_000;
-
-/// The most vertices of one mesh or of a foliage.
-pub const MAX_VERTICES: usize = 128_000_000;
 
 /// Why parts do not make a plant.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

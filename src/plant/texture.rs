@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::limits;
 use crate::math::{Digester, det, index_u32};
 
 /// An image: sRGB colour with straight linear alpha, 8 bits a channel, rows top-down. Copies share their bytes.
@@ -28,7 +29,7 @@ impl Texture {
     }
 
     /// The largest width or height.
-    pub const MAX_SIDE: u32 = 8192;
+    pub const MAX_SIDE: u32 = limits::TEXTURE_SIDE;
 
     /// Texels a row.
     #[must_use]

@@ -13,6 +13,7 @@
 
 use super::weber_penn::GrowError;
 use super::{Material, Mesh, Node, Skeleton};
+use crate::limits;
 use crate::math::{Vec2, Vec3, det, index_u32};
 
 /// How branches become tubes.
@@ -54,11 +55,11 @@ pub fn trunk_mesh(
         None => edges_by_level(skeleton, tubes.edges),
     };
     let found = polygons(skeleton, &edges);
-    if found > MAX_POLYGONS {
+    if found > limits::TRUNK_TRIANGLES {
         return Err(GrowError::TooMany {
             what: "trunk triangles",
             found,
-            limit: MAX_POLYGONS,
+            limit: limits::TRUNK_TRIANGLES,
         });
     }
     let mut mesh = Mesh {
@@ -77,9 +78,6 @@ pub fn trunk_mesh(
     }
     Ok(mesh)
 }
-
-/// The most triangles of a trunk mesh.
-const MAX_POLYGONS: usize = 16_000_000;
 
 /// How many triangles a branch's tube has.
 fn branch_polygons(nodes: &[Node], edges: u32) -> usize {

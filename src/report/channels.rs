@@ -68,7 +68,7 @@ impl SampleKind {
 
 impl ImageFile {
     /// The most samples of an EXR file, all channels together: 1 GiB of them.
-    pub const MAX_SAMPLES: u64 = 1 << 28;
+    pub const MAX_SAMPLES: u64 = crate::limits::CHANNEL_SAMPLES;
 
     /// Reads a PNG or EXR file; what it begins with tells which it is.
     ///

@@ -7,6 +7,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::ReportError;
+use crate::limits;
 
 /// The file by which spinney knows a folder of its own: [`HEADING`], then the path of every other
 /// file in it, one a line, sorted, with `/` between the parts.
@@ -20,9 +21,6 @@ const HEADING: &str = "spinney.folder/1";
 
 /// What file managers leave behind; nobody misses it.
 const LITTER: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
-
-/// How deep folders within an output folder may lie.
-const MAX_DEPTH: usize = 16;
 
 /// A folder that is being written.
 ///
@@ -85,7 +83,7 @@ impl OutputFolder {
         let plain = |part: Component<'_>| matches!(part, Component::Normal(_));
         let parts = Path::new(name).components();
         let depth = parts.clone().count();
-        let fits = (1..=MAX_DEPTH).contains(&depth)
+        let fits = (1..=limits::FOLDER_DEPTH).contains(&depth)
             && parts.clone().all(plain)
             && !name.contains(['\\', '\n', '\r', '\0'])
             && name != MARKER;
@@ -233,7 +231,7 @@ fn find_below(
     entries.sort_by_key(fs::DirEntry::file_name);
     for entry in entries {
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        if entry.file_type()?.is_dir() && depth < MAX_DEPTH {
+        if entry.file_type()?.is_dir() && depth < limits::FOLDER_DEPTH {
             let below = find_below(&entry.path(), &format!("{name}/"), depth + 1, is_it)?;
             if below.is_some() {
                 return Ok(below);

@@ -2,6 +2,7 @@
 
 use super::ReportError;
 use super::table::{Align, Cell, Table};
+use crate::limits;
 
 /// A page.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -46,10 +47,10 @@ pub struct PageImage {
 
 impl Page {
     /// The most pictures of a page.
-    pub const MAX_IMAGES: usize = 24;
+    pub const MAX_IMAGES: usize = limits::PAGE_IMAGES;
 
     /// The most bytes of a page.
-    pub const MAX_BYTES: usize = 8_000_000;
+    pub const MAX_BYTES: usize = limits::PAGE_BYTES;
 
     /// The page as an HTML file.
     ///

@@ -1,7 +1,7 @@
 //! Images out and in: PNG for pictures, EXR for layers of data.
 
 use std::borrow::Cow;
-use std::io::{Cursor, Read as _};
+use std::io::Cursor;
 use std::path::Path;
 
 use exr::image::write::WritableImage as _;
@@ -13,6 +13,8 @@ use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as _, Limits};
 
 use super::ReportError;
+use crate::document;
+use crate::limits;
 
 /// How PNG files begin.
 pub(super) const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -27,13 +29,10 @@ pub struct Picture {
 
 impl Picture {
     /// The largest width or height.
-    pub const MAX_SIDE: u32 = 65_535;
+    pub const MAX_SIDE: u32 = limits::PICTURE_SIDE;
 
     /// The most pixels: 256 MiB of them.
-    pub const MAX_PIXELS: u32 = 1 << 26;
-
-    /// The largest PNG file that is read, in bytes.
-    pub const MAX_FILE_BYTES: u64 = 512 << 20;
+    pub const MAX_PIXELS: u32 = limits::PICTURE_PIXELS;
 
     /// A picture of `width × height` pixels, four bytes each.
     ///
@@ -136,17 +135,8 @@ impl Picture {
 
 /// An image file as bytes, if it is not too large.
 pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, ReportError> {
-    let fail = |error: std::io::Error| wrong_image(path, format!("cannot read: {error}"));
-    let file = std::fs::File::open(path).map_err(fail)?;
-    let mut bytes = Vec::new();
-    file.take(Picture::MAX_FILE_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(fail)?;
-    if bytes.len() as u64 > Picture::MAX_FILE_BYTES {
-        let limit = Picture::MAX_FILE_BYTES;
-        return Err(wrong_image(path, format!("larger than {limit} bytes")));
-    }
-    Ok(bytes)
+    document::read_file(path, limits::PICTURE_FILE_BYTES)
+        .map_err(|error| wrong_image(path, error.to_string()))
 }
 
 pub(super) fn wrong_image(path: &Path, message: String) -> ReportError {

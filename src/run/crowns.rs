@@ -40,7 +40,7 @@ enum PlantKey {
 impl CrownStore {
     /// The most leaves that are kept, over all crowns; those that were not used for longest go
     /// first. A leaf takes some hundred bytes, so this trades up to about half a GiB for time.
-    pub const MAX_LEAVES: usize = 1 << 20;
+    pub const MAX_LEAVES: usize = crate::limits::KEPT_LEAVES;
 
     /// A store that keeps nothing yet.
     #[must_use]
@@ -50,13 +50,14 @@ impl CrownStore {
         }
     }
 
-    /// The crown of a tree of a scene, built or as it was built before; what an importer has to say
-    /// is added to `remarks`.
+    /// The crown of a tree of a scene, built or as it was built before; a plant that does not fit is
+    /// not simplified. What an importer has to say is added to `remarks`.
     pub(super) fn crown(
         &self,
         tree: &Tree,
         folder: &Path,
         stop_leaves: Option<u32>,
+        fits: &dyn Fn(&Plant) -> Result<(), RunError>,
         remarks: &mut Vec<String>,
     ) -> Result<Arc<Crown>, RunError> {
         match &tree.source {
@@ -66,7 +67,7 @@ impl CrownStore {
                     species: Digester::plain().raw(document.text.as_bytes()).finish(),
                     seed: tree.seed,
                 };
-                self.kept_or_built(Key { plant, stop_leaves }, || {
+                self.kept_or_built(Key { plant, stop_leaves }, fits, || {
                     let species = Species::parse(&document)?;
                     let plant = grow(&species, tree.seed).map_err(|source| RunError::Grow {
                         species: path.clone(),
@@ -86,7 +87,9 @@ impl CrownStore {
                     name: imported.plant.name().to_owned(),
                     plant: imported.plant.digest(),
                 };
-                self.kept_or_built(Key { plant, stop_leaves }, || Ok((imported.plant, None)))
+                self.kept_or_built(Key { plant, stop_leaves }, fits, || {
+                    Ok((imported.plant, None))
+                })
             }
         }
     }
@@ -95,10 +98,12 @@ impl CrownStore {
     fn kept_or_built(
         &self,
         key: Key,
+        fits: &dyn Fn(&Plant) -> Result<(), RunError>,
         plant: impl FnOnce() -> Result<(Plant, Option<u32>), RunError>,
     ) -> Result<Arc<Crown>, RunError> {
         let built = || -> Result<Arc<Crown>, RunError> {
             let (plant, usual) = plant()?;
+            fits(&plant)?;
             Ok(Arc::new(crown(plant, key.stop_leaves.or(usual))))
         };
         // Held while building, so that nobody builds the same.
@@ -167,7 +172,13 @@ mod tests {
         let store = CrownStore::default();
         let get = |name, seed, stop| {
             let mut remarks = Vec::new();
-            let crown = store.crown(&tree(name, seed), folder.path(), stop, &mut remarks);
+            let crown = store.crown(
+                &tree(name, seed),
+                folder.path(),
+                stop,
+                &|_| Ok(()),
+                &mut remarks,
+            );
             crown.unwrap()
         };
         let first = get("a.toml", 1, None);

@@ -69,6 +69,18 @@ pub enum RunError {
         /// How many there may be.
         limit: u64,
     },
+    /// The trees of a scene are too much together.
+    #[error("{what}: {found} up to tree {tree} exceed the limit of {limit}")]
+    TooMany {
+        /// What was counted.
+        what: &'static str,
+        /// The tree, from 0, with which it became too much.
+        tree: usize,
+        /// How many there were then.
+        found: u64,
+        /// How many there may be.
+        limit: u64,
+    },
     /// A name in the scene means nothing here.
     #[error("{what} {found:?} is unknown; known are {known}")]
     Name {

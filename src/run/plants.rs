@@ -21,7 +21,7 @@ use crate::plant::gltf::{PlantSources, read_sources};
 use crate::scene::{PlantSource, Scene};
 
 /// The most bytes of all plants' files together that a run keeps copies of.
-pub const MAX_PLANT_FILE_BYTES: u64 = 2 << 30;
+pub const MAX_PLANT_FILE_BYTES: u64 = crate::limits::COPIED_BYTES;
 
 /// The files that a scene's plants come from, under the names that they have in a run's folder.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::RunError;
 use super::crowns::CrownStore;
 use super::progress::Progress;
+use crate::limits;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement};
 use crate::plant::Plant;
@@ -67,7 +68,9 @@ impl World {
                 .any(|other| same_plant(other, tree))
         });
         progress.begin("plants", distinct.count() as u64);
-        for tree in &scene.trees {
+        let mut size = Size::default();
+        let mut digests = Vec::new();
+        for (number, tree) in scene.trees.iter().enumerate() {
             let found = known
                 .iter()
                 .find(|(source, seed, _)| **source == tree.source && *seed == tree.seed);
@@ -75,18 +78,26 @@ impl World {
                 Some(&(_, _, crown)) => crown,
                 None => {
                     let stop_leaves = scene.model.stop_leaves;
-                    let crown = store.crown(tree, folder, stop_leaves, &mut world.remarks)?;
+                    // Before it is simplified, which takes far longer than to grow it.
+                    let fits = |plant: &Plant| size.with_plant(number, plant).map(drop);
+                    let remarks = &mut world.remarks;
+                    let crown = store.crown(tree, folder, stop_leaves, &fits, remarks)?;
+                    size = size.with_plant(number, crown.plant())?;
                     world.crowns.push(crown);
+                    digests.push(None);
                     known.push((&tree.source, tree.seed, world.crowns.len() - 1));
                     progress.step();
                     world.crowns.len() - 1
                 }
             };
+            let plant = world.crowns[crown].plant();
+            size = size.with_tree(number, plant)?;
             if let Some(wanted) = tree.plant_digest {
-                let found = world.crowns[crown].plant().digest();
+                // Once a plant: a forest pins the same one at every tree.
+                let found = *digests[crown].get_or_insert_with(|| plant.digest());
                 if found != wanted {
                     return Err(RunError::Plant {
-                        name: world.crowns[crown].plant().name().to_owned(),
+                        name: plant.name().to_owned(),
                         found,
                         wanted,
                     });
@@ -103,6 +114,47 @@ impl World {
 
 fn same_plant(one: &Tree, other: &Tree) -> bool {
     one.source == other.source && one.seed == other.seed
+}
+
+/// How much a world holds.
+#[derive(Debug, Clone, Copy, Default)]
+struct Size {
+    leaves: u64,
+    triangles: u64,
+    standing: u64,
+}
+
+impl Size {
+    /// With a plant that no tree before was.
+    fn with_plant(mut self, tree: usize, plant: &Plant) -> Result<Self, RunError> {
+        self.leaves += plant.foliage().leaf_count() as u64;
+        let triangles = plant.trunk().map_or(0, |trunk| trunk.triangle_count());
+        self.triangles += u64::from(triangles);
+        within("leaves of plants", tree, self.leaves, limits::WORLD_LEAVES)?;
+        let limit = limits::WORLD_TRIANGLES;
+        within("trunk triangles of plants", tree, self.triangles, limit)?;
+        Ok(self)
+    }
+
+    /// With a tree that stands.
+    fn with_tree(mut self, tree: usize, plant: &Plant) -> Result<Self, RunError> {
+        self.standing += plant.foliage().leaf_count() as u64;
+        let limit = limits::STANDING_LEAVES;
+        within("leaves of trees", tree, self.standing, limit)?;
+        Ok(self)
+    }
+}
+
+fn within(what: &'static str, tree: usize, found: u64, limit: u64) -> Result<(), RunError> {
+    if found <= limit {
+        return Ok(());
+    }
+    Err(RunError::TooMany {
+        what,
+        tree,
+        found,
+        limit,
+    })
 }
 
 /// The crown of a plant, collapsed until `stop_leaves` are left.

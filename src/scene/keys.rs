@@ -1,5 +1,7 @@
 //! The keys of a scene file: one table that reading, defaults, messages and help are made from.
 
+use crate::limits;
+
 use super::{DetailKind, Extraction, Gather, ImageSize, Mode, ModelName};
 
 /// One key of a scene file.
@@ -28,7 +30,7 @@ pub enum Kind {
         /// The most tables.
         most: usize,
     },
-    /// A text of 1 to 400 characters, none of them a control character.
+    /// A text of 1 to [`limits::TEXT_CHARACTERS`] characters, none of them a control character.
     Text,
     /// A text of letters, digits, `.`, `_` and `-`, at most 64, that begins with none of these
     /// three.
@@ -77,7 +79,10 @@ pub enum Kind {
     /// A colour `"#rrggbb"`.
     Color,
     /// A whole number of bytes with a unit.
-    Bytes,
+    Bytes {
+        /// The most bytes: whole GiB.
+        most: u64,
+    },
     /// 64 hexadecimal digits.
     Digest,
 }
@@ -89,7 +94,7 @@ impl Kind {
         match *self {
             Self::Table => "a table".to_owned(),
             Self::Tables { most } => format!("1 to {most} tables"),
-            Self::Text => "a text of 1 to 400 characters".to_owned(),
+            Self::Text => format!("a text of 1 to {} characters", limits::TEXT_CHARACTERS),
             Self::Name => {
                 "a text of 1 to 64 letters, digits, `.`, `_`, `-` that begins with a letter or digit"
                     .to_owned()
@@ -101,7 +106,7 @@ impl Kind {
                 let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
                 alternatives(&names)
             }
-            Self::Texts => "a list of texts".to_owned(),
+            Self::Texts => format!("a list of at most {} texts", limits::FOLIAGE_NAMES),
             Self::OneOf(values) => {
                 let values: Vec<String> = values.iter().map(u64::to_string).collect();
                 alternatives(&values)
@@ -118,7 +123,10 @@ impl Kind {
             Self::Number { min, max } => format!("a number from {min} to {max}"),
             Self::Triple { min, max } => format!("three numbers from {min} to {max}"),
             Self::Color => "a colour \"#rrggbb\"".to_owned(),
-            Self::Bytes => "a size such as \"256 MiB\", in B, KiB, MiB or GiB".to_owned(),
+            Self::Bytes { most } => format!(
+                "a size such as \"256 MiB\", in B, KiB, MiB or GiB, at most {} GiB",
+                most >> 30
+            ),
             Self::Digest => "64 hexadecimal digits".to_owned(),
         }
     }
@@ -154,7 +162,8 @@ impl Absent {
     }
 }
 
-const FRAME_MAX: u64 = 100_000;
+/// The last frame that a key may name, in the type of integers of scenes.
+const FRAME_MAX: u64 = limits::SCENE_FRAMES as u64;
 const METRES: f32 = 100_000.0;
 
 /// Every key of a scene file, in the order of help and of [`to_toml`](super::to_toml).
@@ -175,7 +184,7 @@ pub const KEYS: &[Key] = &[
     key("background", Kind::Color, "sRGB", Absent::Value("\"#c8d8e8\""),
         "The colour behind everything."),
 
-    key("tree", Kind::Tables { most: 10_000 }, "", Absent::Required,
+    key("tree", Kind::Tables { most: limits::SCENE_TREES }, "", Absent::Required,
         "The trees, a [[tree]] each; each has either `species` or `file`."),
     key("tree[].species", Kind::Path, "", Absent::Rule("none: then `file`"),
         "The species file that the tree grows from."),
@@ -206,7 +215,7 @@ pub const KEYS: &[Key] = &[
         "Nothing nearer is drawn."),
     key("camera.far", Kind::Number { min: 0.001, max: 1_000_000.0 }, "m", Absent::Value("1000"),
         "Nothing farther is drawn; more than `near`."),
-    key("camera.path", Kind::Tables { most: 10_000 }, "", Absent::Required,
+    key("camera.path", Kind::Tables { most: limits::CAMERA_KEYS }, "", Absent::Required,
         "Keys { frame, eye, target } with ascending frames, at least one; linear between them."),
     key("camera.path[].frame", Kind::Integer { min: 0, max: FRAME_MAX }, "frame", Absent::Value("0"),
         "The frame at which the camera is there."),
@@ -248,7 +257,7 @@ pub const KEYS: &[Key] = &[
 
     key("device", Kind::Table, "", Absent::Value("{}"),
         "The simulated device."),
-    key("device.memory", Kind::Bytes, "bytes", Absent::Value("\"256 MiB\""),
+    key("device.memory", Kind::Bytes { most: limits::DEVICE_BYTES }, "bytes", Absent::Value("\"256 MiB\""),
         "What fits on the device."),
     key("device.link", Kind::Text, "", Absent::Value("\"pcie1x16\""),
         "The bus between host and device."),
@@ -257,9 +266,9 @@ pub const KEYS: &[Key] = &[
 
     key("golden", Kind::Table, "", Absent::Rule("nothing is compared"),
         "What `spinney golden` compares with a stored reference."),
-    key("golden.size", Kind::Size { side: 160 }, "pixels", Absent::Value("[160, 120]"),
+    key("golden.size", Kind::Size { side: limits::GOLDEN_SIDE }, "pixels", Absent::Value("[160, 120]"),
         "Width and height of the reference images."),
-    key("golden.frames", Kind::Ascending { max: FRAME_MAX - 1, most: 64 }, "frames", Absent::Value("[0]"),
+    key("golden.frames", Kind::Ascending { max: FRAME_MAX - 1, most: limits::GOLDEN_FRAMES }, "frames", Absent::Value("[0]"),
         "The frames that are compared, each below the scene's `frames`."),
     key("golden.tolerance", Kind::Integer { min: 0, max: 255 }, "of 255 a channel", Absent::Value("0"),
         "The largest difference that passes."),

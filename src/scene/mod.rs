@@ -36,6 +36,7 @@ pub use write::to_toml;
 use std::path::Path;
 
 use crate::document::DocumentError;
+use crate::limits;
 use crate::math::Vec3;
 
 /// The value of `schema` in a scene file.
@@ -110,10 +111,10 @@ pub struct ImageSize {
 
 impl ImageSize {
     /// The largest width or height.
-    pub const MAX_SIDE: u32 = 16_384;
+    pub const MAX_SIDE: u32 = limits::IMAGE_SIDE;
 
     /// The most pixels: room for 7680 × 4320.
-    pub const MAX_PIXELS: u32 = 1 << 25;
+    pub const MAX_PIXELS: u32 = limits::IMAGE_PIXELS;
 
     /// A size of sides from 1 to [`MAX_SIDE`](Self::MAX_SIDE) and at most
     /// [`MAX_PIXELS`](Self::MAX_PIXELS); else `None`.

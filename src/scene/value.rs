@@ -5,6 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeValue};
 
+use crate::limits;
 use crate::math::{Digest, Vec3};
 
 use super::ImageSize;
@@ -26,7 +27,7 @@ impl Value for u64 {
                 integer(found).filter(|value| (min..=max).contains(value))
             }
             Kind::OneOf(values) => integer(found).filter(|value| values.contains(value)),
-            Kind::Bytes => text(found).and_then(bytes),
+            Kind::Bytes { most } => text(found).and_then(bytes).filter(|bytes| *bytes <= most),
             _ => None,
         };
         value.ok_or(found.span())
@@ -111,7 +112,7 @@ impl Value for String {
 impl Value for Vec<String> {
     fn read(kind: &Kind, found: &Found<'_>) -> Result<Self, Range<usize>> {
         let list = array(found)?;
-        if *kind != Kind::Texts || list.len() > 10_000 {
+        if *kind != Kind::Texts || list.len() > limits::FOLIAGE_NAMES {
             return Err(found.span());
         }
         list.iter()
@@ -153,7 +154,8 @@ pub(super) fn is_name(text: &str) -> bool {
 }
 
 fn is_text(text: &str) -> bool {
-    (1..=400).contains(&text.chars().count()) && !text.chars().any(char::is_control)
+    (1..=limits::TEXT_CHARACTERS).contains(&text.chars().count())
+        && !text.chars().any(char::is_control)
 }
 
 /// Refused are roots, drives and backslashes: a scene must mean the same on every machine.
@@ -231,7 +233,7 @@ mod tests {
             let value = DeValue::parse(text).unwrap();
             let fits = match key.kind {
                 Kind::Table => value.get_ref().is_table(),
-                Kind::OneOf(_) | Kind::Integer { .. } | Kind::Bytes => {
+                Kind::OneOf(_) | Kind::Integer { .. } | Kind::Bytes { .. } => {
                     u64::read(&key.kind, &value).is_ok()
                 }
                 Kind::Ascending { .. } => Vec::<u64>::read(&key.kind, &value).is_ok(),

@@ -3,9 +3,9 @@
 
 use std::fmt;
 
+use crate::limits::PLANT_LEAVES;
 use crate::math::index_u32;
 use crate::models::State;
-use crate::plant::MAX_LEAVES;
 use crate::simplify::{Clusters, Collapse, CollapseSequence, SequenceError};
 
 /// Collapses over `L` leaves, in order: collapse `k` (from 0) consumes two leaves and makes leaf
@@ -41,10 +41,10 @@ impl History {
     ///
     /// # Errors
     ///
-    /// When there are more than [`MAX_LEAVES`] leaves, or a collapse names a leaf that does not exist
+    /// When there are more than [`PLANT_LEAVES`] leaves, or a collapse names a leaf that does not exist
     /// yet or is gone already.
     pub fn new(leaf_count: u32, collapses: &[[u32; 2]]) -> Result<Self, HistoryError> {
-        if leaf_count as usize > MAX_LEAVES {
+        if leaf_count as usize > PLANT_LEAVES {
             return Err(HistoryError::Leaves { found: leaf_count });
         }
         let originals = (0..leaf_count).map(|leaf| [0, 1, 2, 3].map(|role| 4 * leaf + role));
@@ -214,7 +214,7 @@ impl fmt::Display for History {
 #[non_exhaustive]
 pub enum HistoryError {
     /// Too many leaves.
-    #[error("{found} leaves, at most {MAX_LEAVES} can be")]
+    #[error("{found} leaves, at most {PLANT_LEAVES} can be")]
     Leaves {
         /// How many were given.
         found: u32,

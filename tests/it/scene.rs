@@ -128,7 +128,7 @@ fn single_values_out_of_range_are_refused() {
         ),
         (
             ending("[device]\nmemory = 1024"),
-            "7:10: `device.memory`: found 1024, wanted a size such as \"256 MiB\", in B, KiB, MiB or GiB",
+            "7:10: `device.memory`: found 1024, wanted a size such as \"256 MiB\", in B, KiB, MiB or GiB, at most 4 GiB",
         ),
         (
             ending("[device]\nlink = \"\""),

@@ -1,9 +1,9 @@
 //! Buffers, wherever they lie, and views of them.
 
-use super::MAX_FILE_BYTES;
-use super::container::{ReadFailure, read_limited};
 use super::error::Fault;
 use super::uri::{decode_data, resolve};
+use crate::document::{ReadError, read_file};
+use crate::limits::PLANT_FILE_BYTES;
 use gltf_json::Root;
 use std::cell::{Cell, OnceCell};
 use std::path::Path;
@@ -67,11 +67,11 @@ impl<'a> Buffers<'a> {
 
     /// The bytes that a URI of the document stands for.
     pub(super) fn fetch(&self, uri: &str, pointer: &str) -> Result<Vec<u8>, Fault> {
-        let left = MAX_FILE_BYTES - self.loaded_bytes.get();
+        let left = PLANT_FILE_BYTES - self.loaded_bytes.get();
         let fail = |message: String| Fault::new(pointer, message);
         let too_large = |bytes: u64| {
             fail(format!(
-                "{bytes} bytes more, but only {left} of {MAX_FILE_BYTES} are left for this document"
+                "{bytes} bytes more, but only {left} of {PLANT_FILE_BYTES} are left for this document"
             ))
         };
         let bytes = match decode_data(uri) {
@@ -81,16 +81,14 @@ impl<'a> Buffers<'a> {
             Some(decoded) => decoded.map_err(fail)?,
             None => {
                 let path = resolve(uri, self.folder).map_err(fail)?;
-                read_limited(&path, left).map_err(|failure| match failure {
-                    ReadFailure::Message(message) => {
-                        fail(format!("cannot read {uri:?}: {message}"))
-                    }
-                    ReadFailure::TooLarge(bytes) => too_large(bytes),
+                read_file(&path, left).map_err(|error| match error {
+                    ReadError::TooLarge { found, .. } => too_large(found),
+                    _ => fail(format!("{uri:?}: {error}")),
                 })?
             }
         };
         let loaded = self.loaded_bytes.get() + bytes.len() as u64;
-        self.loaded_bytes.set(loaded.min(MAX_FILE_BYTES));
+        self.loaded_bytes.set(loaded.min(PLANT_FILE_BYTES));
         Ok(bytes)
     }
 

@@ -1,8 +1,9 @@
 //! The outermost layer of a file: a GLB's header and chunks, or plain JSON.
 
+use super::ImportError;
 use super::report::{ImportReport, ReportKind};
-use super::{ImportError, MAX_FILE_BYTES};
-use std::io::Read as _;
+use crate::document::{ReadError, read_file};
+use crate::limits;
 use std::path::Path;
 
 /// The two parts of a glTF file.
@@ -16,36 +17,20 @@ pub(super) struct Container<'a> {
     pub(super) binary: Option<&'a [u8]>,
 }
 
-/// Reads a regular file of at most `limit` bytes; the message says what is wrong.
-pub(super) fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
-    let failed = |error: std::io::Error| ReadFailure::Message(error.to_string());
-    // Pipes and devices can keep a reader waiting for ever.
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        return Err(ReadFailure::Message("not a regular file".to_owned()));
-    }
-    if metadata.len() > limit {
-        return Err(ReadFailure::TooLarge(metadata.len()));
-    }
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).map_err(failed)?;
-    file.take(limit + 1)
-        .read_to_end(&mut bytes)
-        .map_err(failed)?;
-    let found = bytes.len() as u64;
-    if found > limit {
-        return Err(ReadFailure::TooLarge(found));
-    }
-    Ok(bytes)
-}
-
-/// Why a file was not read.
-#[derive(Debug)]
-pub(super) enum ReadFailure {
-    /// What the system says.
-    Message(String),
-    /// It has at least so many bytes.
-    TooLarge(u64),
+/// Reads a document's file.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, ImportError> {
+    let file = path.display().to_string();
+    read_file(path, limits::PLANT_FILE_BYTES).map_err(|error| match error {
+        ReadError::TooLarge { found, limit } => ImportError::TooLarge {
+            file,
+            bytes: found,
+            limit,
+        },
+        _ => ImportError::Read {
+            file,
+            message: error.to_string(),
+        },
+    })
 }
 
 /// Splits a file into its parts; anything that does not begin like a GLB is taken as JSON.
@@ -55,11 +40,11 @@ pub(super) fn split<'a>(
     report: &mut ImportReport,
 ) -> Result<Container<'a>, ImportError> {
     let length = bytes.len() as u64;
-    if length > MAX_FILE_BYTES {
+    if length > limits::PLANT_FILE_BYTES {
         return Err(ImportError::TooLarge {
             file: file.to_owned(),
             bytes: length,
-            limit: MAX_FILE_BYTES,
+            limit: limits::PLANT_FILE_BYTES,
         });
     }
     if !bytes.starts_with(MAGIC) {

@@ -8,14 +8,14 @@ use crate::plant::PlantError;
 #[non_exhaustive]
 pub enum ImportError {
     /// The file cannot be read at all.
-    #[error("{file}: cannot read: {message}")]
+    #[error("{file}: {message}")]
     Read {
         /// The file, as the user named it.
         file: String,
         /// What the system says.
         message: String,
     },
-    /// The file is larger than [`MAX_FILE_BYTES`](super::MAX_FILE_BYTES).
+    /// The file is larger than [`PLANT_FILE_BYTES`](crate::limits::PLANT_FILE_BYTES).
     #[error("{file}: {bytes} bytes exceed the limit of {limit}; split the scene or simplify it")]
     TooLarge {
         /// The file, as the user named it.

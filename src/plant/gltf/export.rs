@@ -3,7 +3,8 @@
 use super::record::{
     Envelope, GroupRecord, PrototypeKind, QUAD_CORNERS, Record, SCHEMA, SkeletonRecord, TrunkRecord,
 };
-use super::{ExportError, MAX_FILE_BYTES, container};
+use super::{ExportError, container};
+use crate::limits;
 use crate::math::{Aabb, Digester, Vec2, Vec3, index_u32};
 use crate::plant::{Branch, LeafGroup, Material, Mesh, Node, Plant, Prototype, Skeleton, Texture};
 use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
@@ -18,9 +19,6 @@ use gltf_json::{Index, Root, texture};
 use image::ImageEncoder as _;
 use std::collections::BTreeMap;
 
-/// The most foliage groups that are written: each takes some 20 objects of JSON.
-const MAX_GROUPS: usize = 16_384;
-
 /// A plant as a binary glTF 2.0 file; the same plant is always the same bytes.
 ///
 /// Trunk and groups are nodes of their own: triangles, and needles as lines. Leaves are
@@ -34,18 +32,18 @@ pub fn export_glb(plant: &Plant) -> Result<Vec<u8>, ExportError> {
     let too_large = |bytes: u64| ExportError::TooLarge {
         plant: plant.name().to_owned(),
         bytes,
-        limit: MAX_FILE_BYTES,
+        limit: limits::PLANT_FILE_BYTES,
     };
     let groups = &plant.foliage().groups;
-    if groups.len() > MAX_GROUPS {
+    if groups.len() > limits::WRITTEN_GROUPS {
         return Err(ExportError::TooManyGroups {
             plant: plant.name().to_owned(),
             groups: groups.len(),
-            limit: MAX_GROUPS,
+            limit: limits::WRITTEN_GROUPS,
         });
     }
     let expected = least_bytes(plant);
-    if expected > MAX_FILE_BYTES {
+    if expected > limits::PLANT_FILE_BYTES {
         return Err(too_large(expected));
     }
     let mut writer = Writer {
@@ -67,7 +65,7 @@ pub fn export_glb(plant: &Plant) -> Result<Vec<u8>, ExportError> {
     let (root, binary) = writer.finish(record);
     let json = to_json(&root);
     let bytes = json.len() as u64 + binary.len() as u64 + 64;
-    if bytes > MAX_FILE_BYTES {
+    if bytes > limits::PLANT_FILE_BYTES {
         return Err(too_large(bytes));
     }
     Ok(container::join(&json, &binary))

@@ -3,7 +3,8 @@
 use super::cards::Pieces;
 use super::report::{ImportReport, ReportKind};
 use super::surface::Part;
-use super::{Fault, MAX_GROUPS_PER_MATERIAL, Materials};
+use super::{Fault, Materials};
+use crate::limits::MATERIAL_GROUPS;
 use crate::math::{Vec2, Vec3, index_u32};
 use crate::plant::{Foliage, LeafGroup, NO_BRANCH, Prototype};
 use std::collections::BTreeMap;
@@ -149,11 +150,11 @@ impl Leaves {
     }
 
     fn limit_cards(&mut self, mut cards: Vec<usize>, report: &mut ImportReport) {
-        if cards.len() <= MAX_GROUPS_PER_MATERIAL {
+        if cards.len() <= MATERIAL_GROUPS {
             return;
         }
         self.most_leaves_first(&mut cards);
-        let rare = cards.split_off(MAX_GROUPS_PER_MATERIAL);
+        let rare = cards.split_off(MATERIAL_GROUPS);
         for index in rare {
             let own = self.kinds[index].corners();
             let mut nearest = (f32::INFINITY, cards[0]);
@@ -168,7 +169,7 @@ impl Leaves {
             }
             let (moved, count, place) = self.kinds[index].take();
             let message = format!(
-                "cards that show a rare part of their texture (beyond {MAX_GROUPS_PER_MATERIAL} \
+                "cards that show a rare part of their texture (beyond {MATERIAL_GROUPS} \
                  parts a material): they show the nearest frequent part"
             );
             report.add(ReportKind::Merged, count as u64, place, message);
@@ -181,7 +182,7 @@ impl Leaves {
     fn limit_faces(&mut self, mut faces: Vec<usize>, report: &mut ImportReport) {
         self.most_leaves_first(&mut faces);
         let is_kept = |(place, index): (usize, &usize)| {
-            place < MAX_GROUPS_PER_MATERIAL && self.kinds[*index].leaves > 1
+            place < MATERIAL_GROUPS && self.kinds[*index].leaves > 1
         };
         let kept = faces
             .iter()

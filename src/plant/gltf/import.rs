@@ -3,7 +3,7 @@
 use super::accessor::Reader;
 use super::buffers::Buffers;
 use super::cards::{self, Pieces};
-use super::container::{ReadFailure, read_limited, split};
+use super::container::{read, split};
 use super::error::Fault;
 use super::foliage::Leaves;
 use super::material::{Materials, alpha_mode};
@@ -13,7 +13,8 @@ use super::report::{ImportReport, ReportKind};
 use super::scan::{self, Document};
 use super::scene::{Names, Placed, known_names, place};
 use super::surface::{self, Part, QUANTIZATION, Surface};
-use super::{ImportError, ImportOptions, Imported, MAX_CORNERS, MAX_FILE_BYTES};
+use super::{ImportError, ImportOptions, Imported};
+use crate::limits::PLACED_CORNERS;
 use crate::plant::{Foliage, Plant};
 use gltf_json::Root;
 use gltf_json::material::AlphaMode;
@@ -33,17 +34,7 @@ use std::path::Path;
 /// extension that is not supported, or nothing bears a name that the options hold.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     let file = path.display().to_string();
-    let bytes = read_limited(path, MAX_FILE_BYTES).map_err(|failure| match failure {
-        ReadFailure::Message(message) => ImportError::Read {
-            file: file.clone(),
-            message,
-        },
-        ReadFailure::TooLarge(bytes) => ImportError::TooLarge {
-            file: file.clone(),
-            bytes,
-            limit: MAX_FILE_BYTES,
-        },
-    })?;
+    let bytes = read(path)?;
     let folder = path.parent().unwrap_or_else(|| Path::new(""));
     import_bytes(&file, &bytes, Some(folder), options)
 }
@@ -222,11 +213,11 @@ fn check_corners(opened: &[(Placed, Surface<'_>)]) -> Result<(), Fault> {
     let mut corners = 0_u64;
     for (placed, surface) in opened {
         corners += surface.corner_count();
-        if corners > MAX_CORNERS {
+        if corners > PLACED_CORNERS {
             return Err(Fault::new(
                 placed.pointer(),
                 format!(
-                    "{corners} triangle corners so far exceed the limit of {MAX_CORNERS}; simplify \
+                    "{corners} triangle corners so far exceed the limit of {PLACED_CORNERS}; simplify \
                      the meshes or place fewer"
                 ),
             ));

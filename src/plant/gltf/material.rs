@@ -1,9 +1,9 @@
 //! What surfaces look like: base colour, its texture, and the alpha cutoff.
 
-use super::MAX_TEXELS;
 use super::accessor::Reader;
 use super::error::Fault;
 use super::report::{ImportReport, ReportKind};
+use crate::limits::PLANT_TEXELS;
 use crate::plant::{Material, Texture};
 use gltf_json::material::{AlphaCutoff, AlphaMode};
 use gltf_json::texture::{Info, WrappingMode};
@@ -211,7 +211,7 @@ impl<'r, 'a> Materials<'r, 'a> {
                 return Ok(None);
             }
         };
-        match decode_png(bytes, MAX_TEXELS - self.texels) {
+        match decode_png(bytes, PLANT_TEXELS - self.texels) {
             Ok(texture) => {
                 self.texels += u64::from(texture.width()) * u64::from(texture.height());
                 Ok(Some(texture))
@@ -257,7 +257,7 @@ fn decode_png(bytes: &[u8], texels_left: u64) -> Result<Texture, String> {
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(Texture::MAX_SIDE);
         limits.max_image_height = Some(Texture::MAX_SIDE);
-        limits.max_alloc = Some(8 * MAX_TEXELS);
+        limits.max_alloc = Some(8 * PLANT_TEXELS);
         reader.limits(limits);
         reader
     };
@@ -272,7 +272,7 @@ fn decode_png(bytes: &[u8], texels_left: u64) -> Result<Texture, String> {
     let texels = u64::from(width) * u64::from(height);
     if texels > texels_left {
         return Err(format!(
-            "{texels} texels more, but only {texels_left} of {MAX_TEXELS} are left for this document"
+            "{texels} texels more, but only {texels_left} of {PLANT_TEXELS} are left for this document"
         ));
     }
     let rgba = reader().decode().map_err(broken)?.into_rgba8();
@@ -311,6 +311,6 @@ mod tests {
         let texture = Texture::new(1, 1, vec![0; 4]).unwrap();
         let mut png = super::super::export::encode_png(&texture);
         png[16..20].copy_from_slice(&70_000_u32.to_be_bytes());
-        assert!(decode_png(&png, MAX_TEXELS).is_err());
+        assert!(decode_png(&png, PLANT_TEXELS).is_err());
     }
 }

@@ -52,29 +52,6 @@ use super::Plant;
 use error::Fault;
 use material::Materials;
 
-/// The most bytes that one file, and all buffers of one document together, may have. Also the
-/// most that is written: what is written can be read.
-pub const MAX_FILE_BYTES: u64 = 1 << 30;
-
-/// The most objects in a document's JSON: some 500 bytes of memory each.
-pub const MAX_JSON_OBJECTS: u64 = 1 << 19;
-
-/// The most values of any kind in a document's JSON.
-pub const MAX_JSON_VALUES: u64 = 1 << 24;
-
-/// The most primitives that a scene may place, counting each placement of a mesh.
-pub const MAX_PLACED_PRIMITIVES: usize = 1 << 20;
-
-/// The most triangle corners that a foreign scene may place, counting each placement of a mesh:
-/// some 80 bytes of memory each. What spinney wrote is bounded by its bytes alone.
-pub const MAX_CORNERS: u64 = 1 << 25;
-
-/// The most texels that all images of a document may have together.
-pub const MAX_TEXELS: u64 = 1 << 28;
-
-/// The most groups of cards, and the most groups of other leaves, that one material may get.
-pub const MAX_GROUPS_PER_MATERIAL: usize = 64;
-
 /// What the user says about a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ImportOptions {

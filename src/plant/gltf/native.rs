@@ -10,11 +10,10 @@ use super::record::{
 use super::report::{ImportReport, ReportKind};
 use super::scene::Placed;
 use super::surface::Surface;
-use super::{Fault, MAX_FILE_BYTES, Materials};
+use super::{Fault, Materials};
+use crate::limits::{PLANT_FILE_BYTES, PLANT_LEAVES};
 use crate::math::{Digester, Vec2, Vec3};
-use crate::plant::{
-    Branch, Foliage, LeafGroup, MAX_LEAVES, Material, Mesh, Node, Plant, Prototype, Skeleton,
-};
+use crate::plant::{Branch, Foliage, LeafGroup, Material, Mesh, Node, Plant, Prototype, Skeleton};
 use gltf_json::Root;
 use gltf_json::mesh::Mode;
 use serde::Deserialize;
@@ -85,7 +84,7 @@ fn read_record(
         source,
         nodes: nodes_once(source, &record)?,
         hidden: Digester::new(SCHEMA),
-        bytes_left: MAX_FILE_BYTES,
+        bytes_left: PLANT_FILE_BYTES,
     };
     let skeleton = match &record.skeleton {
         None => None,
@@ -99,8 +98,8 @@ fn read_record(
         .groups
         .iter()
         .fold(0_usize, |sum, group| sum.saturating_add(group.leaves));
-    if leaves > MAX_LEAVES {
-        let message = format!("{leaves} leaves exceed the limit of {MAX_LEAVES}");
+    if leaves > PLANT_LEAVES {
+        let message = format!("{leaves} leaves exceed the limit of {PLANT_LEAVES}");
         return Err(Fault::new(format!("{POINTER}/groups"), message));
     }
     let mut groups = Vec::new();

@@ -1,8 +1,9 @@
 //! A first look at a document's JSON that costs no memory: sizes, depth, integers, extensions.
 
+use super::ImportError;
 use super::error::Fault;
-use super::{ImportError, MAX_JSON_OBJECTS, MAX_JSON_VALUES};
 use crate::document::DocumentError;
+use crate::limits::{JSON_OBJECTS, JSON_VALUES};
 use gltf_json::Root;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeMap;
@@ -77,8 +78,8 @@ impl Scan {
 
     fn count_value<E: serde::de::Error>(&mut self) -> Result<(), E> {
         self.values += 1;
-        if self.values > MAX_JSON_VALUES {
-            let message = format!("more than {MAX_JSON_VALUES} JSON values; put data into buffers");
+        if self.values > JSON_VALUES {
+            let message = format!("more than {JSON_VALUES} JSON values; put data into buffers");
             return Err(self.refuse(message));
         }
         Ok(())
@@ -148,8 +149,8 @@ impl<'de> Visitor<'de> for Walk<'_> {
         let scan = self.0;
         scan.count_value()?;
         scan.objects += 1;
-        if scan.objects > MAX_JSON_OBJECTS {
-            let message = format!("more than {MAX_JSON_OBJECTS} JSON objects; join meshes first");
+        if scan.objects > JSON_OBJECTS {
+            let message = format!("more than {JSON_OBJECTS} JSON objects; join meshes first");
             return Err(scan.refuse(message));
         }
         let length = scan.pointer.len();
@@ -197,7 +198,7 @@ mod tests {
 
     #[test]
     fn many_objects_are_refused_before_they_take_memory() {
-        let list = "{},".repeat(usize::try_from(MAX_JSON_OBJECTS).unwrap());
+        let list = "{},".repeat(usize::try_from(JSON_OBJECTS).unwrap());
         let json = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{list}{{}}]}}"#);
         assert!(error(&json).contains("/nodes/524286: more than 524288 JSON objects"));
     }

@@ -1,9 +1,9 @@
 //! From a document's nodes to a list of primitives, each with its place in the world.
 
-use super::MAX_PLACED_PRIMITIVES;
 use super::error::Fault;
 use super::placement::Placement;
 use super::report::{ImportReport, ReportKind};
+use crate::limits::PLACED_PRIMITIVES;
 use gltf_json::Root;
 use std::collections::BTreeSet;
 
@@ -124,9 +124,9 @@ fn place_mesh(
         };
         let label = primitive_label(mesh.name.as_deref(), primitive);
         let named = names.has(material_name) || names.has(label.as_deref()) || named;
-        if placed.len() == MAX_PLACED_PRIMITIVES {
+        if placed.len() == PLACED_PRIMITIVES {
             let message = format!(
-                "places primitive number {}, but the limit is {MAX_PLACED_PRIMITIVES}; join meshes first",
+                "places primitive number {}, but the limit is {PLACED_PRIMITIVES}; join meshes first",
                 placed.len() + 1
             );
             return Err(Fault::new(pointer, message));

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use super::container::{ReadFailure, read_limited, split};
+use super::container::{read, split};
 use super::report::ImportReport;
 use super::uri::{decode_data, relative_path};
-use super::{ImportError, MAX_FILE_BYTES, scan};
+use super::{ImportError, scan};
+use crate::document::read_file;
+use crate::limits::PLANT_FILE_BYTES;
 
 /// A document and the files beside it that it names.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,24 +38,14 @@ impl PlantSources {
 /// When the document cannot be read, is too large, or is no JSON.
 pub fn read_sources(path: &Path) -> Result<PlantSources, ImportError> {
     let file = path.display().to_string();
-    let document = read_limited(path, MAX_FILE_BYTES).map_err(|failure| match failure {
-        ReadFailure::Message(message) => ImportError::Read {
-            file: file.clone(),
-            message,
-        },
-        ReadFailure::TooLarge(bytes) => ImportError::TooLarge {
-            file: file.clone(),
-            bytes,
-            limit: MAX_FILE_BYTES,
-        },
-    })?;
+    let document = read(path)?;
     let container = split(&file, &document, &mut ImportReport::default())?;
     let parsed = scan::parse(&file, container.json, container.json_offset)?;
     let buffers = parsed.root.buffers.iter().map(|buffer| &buffer.uri);
     let images = parsed.root.images.iter().map(|image| &image.uri);
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut beside: Vec<(String, Vec<u8>)> = Vec::new();
-    let mut left = MAX_FILE_BYTES;
+    let mut left = PLANT_FILE_BYTES;
     for uri in buffers.chain(images).flatten() {
         if decode_data(uri).is_some() {
             continue;
@@ -64,7 +56,7 @@ pub fn read_sources(path: &Path) -> Result<PlantSources, ImportError> {
         if beside.iter().any(|(known, _)| *known == relative) {
             continue;
         }
-        if let Ok(bytes) = read_limited(&folder.join(&relative), left) {
+        if let Ok(bytes) = read_file(&folder.join(&relative), left) {
             left -= bytes.len() as u64;
             beside.push((relative, bytes));
         }

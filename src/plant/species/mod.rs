@@ -50,7 +50,7 @@ pub struct Species {
 
 impl Species {
     /// The most leaves that a species may leave out.
-    pub const MAX_OMITTED: usize = 65_536;
+    pub const MAX_OMITTED: usize = crate::limits::OMITTED_LEAVES;
 
     /// What every key of a species file means: a table in Markdown.
     pub const HELP: &'static str = include_str!("keys.md");

@@ -10,7 +10,8 @@ use super::{
     Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species, StemLevel, Wood,
 };
 use crate::document::{Document, DocumentError};
-use crate::plant::{MAX_GROWN_LEAVES, Silhouette};
+use crate::limits;
+use crate::plant::Silhouette;
 
 impl Species {
     /// Reads a species file.
@@ -146,10 +147,7 @@ struct RawFoliage {
 
 /// The most leaves, and the most trunk triangles, that a species may ask for.
 #[expect(clippy::cast_possible_wrap, reason = "four millions fit")]
-const MOST: i64 = MAX_GROWN_LEAVES as i64;
-
-/// The most kinds of foliage; each is a material and a group of its own.
-const MOST_KINDS: usize = 16;
+const MOST: i64 = limits::GROWN_LEAVES as i64;
 
 /// Turns raw tables into checked ones; every default and range of the table of keys is stated here.
 #[derive(Clone, Copy)]
@@ -176,8 +174,11 @@ impl Reader<'_> {
             return Err(self.wrong(span, wanted));
         }
         let kinds = raw.foliage.get_ref().len();
-        if !(1..=MOST_KINDS).contains(&kinds) {
-            let wanted = format!("{kinds} tables [[foliage]], wanted 1..={MOST_KINDS}");
+        if !(1..=limits::SPECIES_KINDS).contains(&kinds) {
+            let wanted = format!(
+                "{kinds} tables [[foliage]], wanted 1..={}",
+                limits::SPECIES_KINDS
+            );
             return Err(self.wrong(&raw.foliage, wanted));
         }
         Ok(Species {

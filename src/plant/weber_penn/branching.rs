@@ -1,11 +1,12 @@
 //! All stems of a plant: each level on the one before, depth first.
 
+use super::GrowError;
 use super::formulas::{
     alternate, down_angle, flare_factor, shape_ratio, stem_length, stem_radius, taper_radius,
 };
 use super::frame::Frame;
 use super::stem::{Axis, Effort, Site, Stem, grow_stem, streams};
-use super::{GrowError, MAX_BRANCHES, MAX_NODES};
+use crate::limits;
 use crate::math::{Stream, Vec3, index_u32};
 use crate::plant::{Branch, Node, Shape, Skeleton, Species};
 
@@ -191,8 +192,16 @@ impl Forester<'_> {
     fn emit(&mut self, axis: &Axis, bearer: Option<u32>, grown: &Grown) -> Result<u32, GrowError> {
         let wood = &mut self.wood;
         let counts = [
-            ("branches", wood.skeleton.branches.len() + 1, MAX_BRANCHES),
-            ("nodes", wood.frames.len() + axis.points.len(), MAX_NODES),
+            (
+                "branches",
+                wood.skeleton.branches.len() + 1,
+                limits::GROWN_BRANCHES,
+            ),
+            (
+                "nodes",
+                wood.frames.len() + axis.points.len(),
+                limits::GROWN_NODES,
+            ),
         ];
         for (what, found, limit) in counts {
             if found > limit {

@@ -4,10 +4,9 @@ use super::GrowError;
 use super::branching::{Bearer, Wood};
 use super::formulas::{alternate, down_angle, lifted};
 use super::frame::Frame;
+use crate::limits;
 use crate::math::{Stream, Vec3, det, index_u32};
-use crate::plant::{
-    Foliage, FoliageKind, LeafGroup, MAX_GROWN_LEAVES, Material, Prototype, Species,
-};
+use crate::plant::{Foliage, FoliageKind, LeafGroup, Material, Prototype, Species};
 
 /// Texels whose alpha is below this are not there, in all foliage that grows.
 const ALPHA_CUTOFF: f32 = 0.5;
@@ -25,11 +24,11 @@ pub(super) fn foliage(species: &Species, wood: &Wood) -> Result<Foliage, GrowErr
     let bearers = &wood.bearers;
     let (density, wanted) = density(species, bearers)?;
     let grown = total(bearers, density);
-    if grown > MAX_GROWN_LEAVES as u64 {
+    if grown > limits::GROWN_LEAVES as u64 {
         return Err(GrowError::TooMany {
             what: "leaves",
             found: count(grown),
-            limit: MAX_GROWN_LEAVES,
+            limit: limits::GROWN_LEAVES,
         });
     }
     let mut groups: Vec<LeafGroup> = species.foliage.iter().map(empty_group).collect();
@@ -123,7 +122,7 @@ fn leaves_on(bearer: Bearer, density: f64) -> u64 {
         clippy::cast_sign_loss,
         reason = "clamped to the range of counts first"
     )]
-    let whole = wanted.clamp(0.0, MAX_GROWN_LEAVES as f64) as u64;
+    let whole = wanted.clamp(0.0, limits::GROWN_LEAVES as f64) as u64;
     whole
 }
 

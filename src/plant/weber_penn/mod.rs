@@ -27,15 +27,6 @@ use super::tube::{Tubes, trunk_mesh};
 use super::{Material, Plant, PlantError};
 use crate::math::Stream;
 
-/// The most branches that a plant grows.
-pub const MAX_BRANCHES: usize = 1_000_000;
-
-/// The most skeleton nodes that a plant grows.
-pub const MAX_NODES: usize = 4_000_000;
-
-/// The most leaves that a plant grows.
-pub const MAX_GROWN_LEAVES: usize = 4_000_000;
-
 /// Grows the plant of a species that a seed names; the same on every machine.
 ///
 /// Has exactly [`Species::leaf_count`] leaves where that is given: the number of leaves on each

@@ -3,6 +3,7 @@
 use super::GrowError;
 use super::formulas::{lifted, segment_curve, shape_ratio};
 use super::frame::Frame;
+use crate::limits;
 use crate::math::{Stream, Vec2, Vec3};
 use crate::plant::{Crown, Pruning, Shape, StemLevel};
 
@@ -112,17 +113,11 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// The most points of one stem with its clones.
-    const PER_STEM: usize = 1_000_000;
-
-    /// The most points of a plant: about ten seconds.
-    const PER_PLANT: usize = 50_000_000;
-
     fn spend(&mut self, points_of_stem: usize) -> Result<(), GrowError> {
         self.all += 1;
         for (what, found, limit) in [
-            ("points on one stem", points_of_stem, Self::PER_STEM),
-            ("points tried", self.all, Self::PER_PLANT),
+            ("points on one stem", points_of_stem, limits::STEM_POINTS),
+            ("points tried", self.all, limits::GROWTH_POINTS),
         ] {
             if found > limit {
                 return Err(GrowError::TooMany { what, found, limit });

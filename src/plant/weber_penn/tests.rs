@@ -1,5 +1,6 @@
 //! The shipped species, and what growing promises of any.
 
+use crate::limits;
 use std::path::Path;
 
 use super::*;
@@ -248,8 +249,9 @@ fn what_cannot_be_met_is_refused_with_both_numbers() {
     assert_eq!(
         grow(&crowded, 1).unwrap_err().to_string(),
         format!(
-            "{} branches exceed the limit of {MAX_BRANCHES}",
-            MAX_BRANCHES + 1
+            "{} branches exceed the limit of {}",
+            limits::GROWN_BRANCHES + 1,
+            limits::GROWN_BRANCHES
         )
     );
     let forked = "[stems]\nsegment_splits = [4, 0, 0, 0]\ncurve_res = [64, 1, 1, 1]";

@@ -6,6 +6,8 @@ use std::io::{BufReader, Read, Take};
 use std::path::{Path, PathBuf};
 
 use super::{ChannelDifferences, FieldDifference, LookDifference, Metrics, SizeMismatch};
+use crate::document::read_file;
+use crate::limits;
 use crate::report::folder::files_below;
 use crate::report::{
     ImageFile, LEDGER_SCHEMA, LedgerEntry, MARKER, Picture, ReportError, RunLedger,
@@ -239,9 +241,6 @@ struct Run {
 }
 
 impl Run {
-    /// The largest `ledger.json` that is read, in bytes.
-    const MAX_LEDGER_BYTES: u64 = 512 << 20;
-
     fn read(folder: &Path) -> Result<Self, ReportError> {
         let fail = |message: String| ReportError::Run {
             folder: folder.to_owned(),
@@ -255,15 +254,7 @@ impl Run {
             return Err(fail("no ledger.json".to_owned()));
         }
         let wrong = |error: &dyn std::fmt::Display| fail(format!("ledger.json: {error}"));
-        let file = File::open(&name).map_err(|error| wrong(&error))?;
-        let mut bytes = Vec::new();
-        file.take(Self::MAX_LEDGER_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(|error| wrong(&error))?;
-        if bytes.len() as u64 > Self::MAX_LEDGER_BYTES {
-            let limit = Self::MAX_LEDGER_BYTES;
-            return Err(wrong(&format!("larger than {limit} bytes")));
-        }
+        let bytes = read_file(&name, limits::LEDGER_BYTES).map_err(|error| wrong(&error))?;
         let ledger: RunLedger = serde_json::from_slice(&bytes).map_err(|error| wrong(&error))?;
         let schema = &ledger.head.schema;
         if schema != LEDGER_SCHEMA {

@@ -14,6 +14,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::ledger::json;
+use crate::limits;
 use crate::math::index_u32;
 use crate::models::State;
 use crate::report::ReportError;
@@ -111,6 +112,10 @@ impl<'w> OpsReader<'w> {
             line: number,
             message,
         };
+        if line.len() > limits::OPS_LINE_BYTES {
+            let (found, limit) = (line.len(), limits::OPS_LINE_BYTES);
+            return Err(fail(format!("{found} bytes exceed the limit of {limit}")));
+        }
         let line: Line = serde_json::from_str(line).map_err(|error| fail(error.to_string()))?;
         for change in &line.trees {
             let state = self.changed(change).map_err(fail)?;

@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::fixture::{CARD, Fixture, bark, counts, load};
+use crate::limits;
 use crate::math::{Vec2, Vec3};
 use crate::plant::{LeafGroup, NO_BRANCH, Prototype, Texture};
 use serde_json::json;
@@ -95,7 +96,7 @@ fn one_group_for_each_part_of_the_texture() {
 #[test]
 fn too_many_parts_of_a_texture_take_the_nearest() {
     let mut fixture = Fixture::new();
-    let parts = u16::try_from(MAX_GROUPS_PER_MATERIAL).unwrap() + 1;
+    let parts = u16::try_from(limits::MATERIAL_GROUPS).unwrap() + 1;
     // The last part is nearest to the one before it, which occurs twice, as all but it do.
     for part in (0..parts).chain(0..parts - 1) {
         let at = Vec2::new(f32::from(part), 0.0);
@@ -104,7 +105,7 @@ fn too_many_parts_of_a_texture_take_the_nearest() {
     }
     let imported = fixture.import();
     let groups = &imported.plant.foliage().groups;
-    assert_eq!(groups.len(), MAX_GROUPS_PER_MATERIAL);
+    assert_eq!(groups.len(), limits::MATERIAL_GROUPS);
     assert_eq!(groups.last().unwrap().leaf_count(), 3);
     assert_eq!(imported.report.of_kind(ReportKind::Merged).count(), 1);
 }
