@@ -170,8 +170,54 @@ pub(super) struct GoldenOptions {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum GoldenCommand {
+    /// Compare pictures and ledgers with their references
+    Check(GoldenCheckOptions),
+    /// Replace references by what scenes show now
+    Bless(GoldenBlessOptions),
     /// Print a line of digests for each scene: the same on every machine
     Digests(GoldenDigestsOptions),
+}
+
+/// Which scenes, and where their references are.
+#[derive(Debug, Args)]
+pub(super) struct GoldenFolders {
+    /// Folder of scenes, searched at any depth
+    #[arg(default_value = "scenes")]
+    pub(super) folder: PathBuf,
+    /// Folder of references
+    #[arg(long, value_name = "DIR", default_value = "golden")]
+    pub(super) golden: PathBuf,
+    /// Only scenes with this in their path below the folder
+    #[arg(long, value_name = "TEXT")]
+    pub(super) only: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct GoldenCheckOptions {
+    #[command(flatten)]
+    pub(super) folders: GoldenFolders,
+    /// Also print what differs so that it is shown beside the code
+    #[arg(long, value_enum)]
+    pub(super) annotate: Option<Annotate>,
+    /// Also write what was compared as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    pub(super) junit: Option<PathBuf>,
+}
+
+/// Who shows annotations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Annotate {
+    /// GitHub Actions
+    Github,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct GoldenBlessOptions {
+    #[command(flatten)]
+    pub(super) folders: GoldenFolders,
+    /// Remove references that no scene keeps
+    #[arg(long)]
+    pub(super) remove_unused: bool,
 }
 
 #[derive(Debug, Args)]

@@ -1,9 +1,17 @@
 //! `spinney golden`: scenes against their references.
 
-use super::arguments::{GoldenCommand, GoldenDigestsOptions, GoldenOptions, Shared};
+use std::path::Path;
+
+use super::arguments::{
+    Annotate, GoldenBlessOptions, GoldenCheckOptions, GoldenCommand, GoldenDigestsOptions,
+    GoldenFolders, GoldenOptions, Shared,
+};
 use super::error::CliError;
 use super::terminal::Terminal;
-use crate::golden::{Goldens, SceneDigests, digest_text};
+use crate::golden::{
+    Goldens, SceneDigests, Selection, Unused, digest_text, github_annotations, junit,
+};
+use crate::report::{OutputFolder, write_file};
 
 pub(super) fn golden(
     options: &GoldenOptions,
@@ -11,8 +19,104 @@ pub(super) fn golden(
     terminal: &Terminal,
 ) -> Result<(), CliError> {
     match &options.command {
+        GoldenCommand::Check(options) => check(options, shared, terminal),
+        GoldenCommand::Bless(options) => bless(options, shared, terminal),
         GoldenCommand::Digests(options) => digests(options, shared, terminal),
     }
+}
+
+impl GoldenFolders {
+    fn goldens(&self) -> Goldens {
+        Goldens {
+            scenes: self.folder.clone(),
+            references: self.golden.clone(),
+        }
+    }
+
+    fn selection(&self) -> Selection {
+        Selection {
+            only: self.only.clone(),
+        }
+    }
+}
+
+fn check(
+    options: &GoldenCheckOptions,
+    shared: &Shared,
+    terminal: &Terminal,
+) -> Result<(), CliError> {
+    if shared.json && options.annotate.is_some() {
+        let message = "--json and --annotate both want standard output; wanted one of them";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let out = shared.out.as_deref().unwrap_or(Path::new("target/golden"));
+    // Before the work, so that a path that cannot be written is told at once.
+    let folder = OutputFolder::create(out)?;
+    let progress = terminal.progress();
+    let folders = &options.folders;
+    let outcome = folders.goldens().check(&folders.selection(), &progress)?;
+    drop(progress);
+    outcome.write(&folder)?;
+    folder.commit()?;
+    if let Some(file) = &options.junit {
+        write_file(file, junit(&outcome).as_bytes())?;
+    }
+    let mut text = match shared.json {
+        true => outcome.to_json(),
+        false => outcome.to_text(),
+    };
+    if options.annotate == Some(Annotate::Github) {
+        text += &github_annotations(&outcome);
+    }
+    terminal.print(&text)?;
+    if outcome.is_all_unreadable() {
+        let message = format!("{}: no scene can be drawn", folders.folder.display());
+        return Err(CliError::Usage(message));
+    }
+    if !outcome.is_same() {
+        let page = out.join("report.html");
+        return Err(CliError::Failed(format!(
+            "scenes and references are not the same; see {}",
+            page.display()
+        )));
+    }
+    Ok(())
+}
+
+fn bless(
+    options: &GoldenBlessOptions,
+    shared: &Shared,
+    terminal: &Terminal,
+) -> Result<(), CliError> {
+    if std::env::var_os("CI").is_some_and(|value| !value.is_empty()) {
+        let message = "references are not blessed in CI, where nobody looks at them (the environment \
+                       variable CI is set)";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let unused = match options.remove_unused {
+        true => Unused::Remove,
+        false => Unused::Keep,
+    };
+    let progress = terminal.progress();
+    let folders = &options.folders;
+    let blessing = folders
+        .goldens()
+        .bless(&folders.selection(), unused, &progress)?;
+    drop(progress);
+    let text = match shared.json {
+        true => blessing.to_json(),
+        false => blessing.to_text(),
+    };
+    terminal.print(&text)?;
+    if blessing.outcome.is_all_unreadable() {
+        let message = format!("{}: no scene can be drawn", folders.folder.display());
+        return Err(CliError::Usage(message));
+    }
+    if blessing.is_partial() {
+        let message = "not every reference could be blessed";
+        return Err(CliError::Failed(message.to_owned()));
+    }
+    Ok(())
 }
 
 fn digests(

@@ -80,17 +80,20 @@ impl Goldens {
         for finding in outcome.findings() {
             wrong += &format!("  {finding}\n{}", seen(finding, &folder));
         }
-        panic!("{wrong}  {}", self.advice(&outcome));
+        panic!("{wrong}  {}\n", self.advice(&outcome));
     }
 
     /// How to make the references what the scene shows.
     fn advice(&self, outcome: &SceneOutcome) -> String {
-        format!(
-            "if this is wanted: spinney golden bless {} --golden {} --only {}",
-            self.scenes.display(),
-            self.references.display(),
-            outcome.name
-        )
+        let usual = Self::default();
+        let mut command = "spinney golden bless".to_owned();
+        if self.scenes != usual.scenes {
+            command += &format!(" {}", self.scenes.display());
+        }
+        if self.references != usual.references {
+            command += &format!(" --golden {}", self.references.display());
+        }
+        format!("if this is wanted: {command} --only {}", outcome.name)
     }
 
     /// The names of all scenes of which something is kept, in order: those with a `[golden]` table,

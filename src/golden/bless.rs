@@ -1,6 +1,7 @@
 //! Replacing references by what scenes show now.
 
 use std::fs;
+use std::path::PathBuf;
 
 use super::check::Compared;
 use super::digests::SceneDigests;
@@ -33,12 +34,85 @@ pub enum Deed {
     Removed,
     /// The unused reference stays, since nobody asked to remove it.
     Kept,
-    /// Nothing: the scene cannot be drawn, or the reference would be too large.
-    Refused,
+    /// Nothing, since the scene cannot be drawn.
+    Undrawn,
+    /// Nothing, since the reference would be larger than [`MAX_FILE_BYTES`].
+    TooLarge,
 }
 
 /// Files to write, with what will be in them.
-type Files = Vec<(std::path::PathBuf, Vec<u8>)>;
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+impl Blessing {
+    /// Every finding with what was done about it.
+    pub fn findings(&self) -> impl Iterator<Item = (&Finding, Deed)> {
+        self.outcome.findings().zip(self.deeds.iter().copied())
+    }
+
+    /// Whether something stays as it was that is wrong, and that blessing should have mended.
+    #[must_use]
+    pub fn is_partial(&self) -> bool {
+        let mut deeds = self.deeds.iter();
+        deeds.any(|deed| matches!(deed, Deed::Undrawn | Deed::TooLarge))
+    }
+
+    /// A line for each finding: what was done, and by how much the reference changed; then how many
+    /// of each.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        for (finding, deed) in self.findings() {
+            let file = finding.file.display();
+            let words = finding.words();
+            text += &match deed {
+                Deed::Added | Deed::Removed => format!("{file}: {}\n", deed.name()),
+                Deed::Replaced => format!("{file}: replaced: {words}\n"),
+                Deed::Kept => format!("{file}: {words}; kept\n"),
+                Deed::Undrawn => format!("{file}: not drawn: {words}\n"),
+                Deed::TooLarge => {
+                    format!("{file}: not written, since it would exceed {MAX_FILE_BYTES} bytes\n")
+                }
+            };
+        }
+        let counts: Vec<String> = Deed::ALL
+            .into_iter()
+            .filter_map(|deed| {
+                let count = self.deeds.iter().filter(|done| **done == deed).count();
+                (count > 0).then(|| format!("{count} {}", deed.name()))
+            })
+            .collect();
+        let done = match counts.is_empty() {
+            true => "nothing to bless".to_owned(),
+            false => counts.join(", "),
+        };
+        format!("{text}{}; {done}\n", self.outcome.extent())
+    }
+}
+
+impl Deed {
+    /// Every deed.
+    pub const ALL: [Self; 6] = [
+        Self::Added,
+        Self::Replaced,
+        Self::Removed,
+        Self::Kept,
+        Self::Undrawn,
+        Self::TooLarge,
+    ];
+
+    /// One or two words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Added => "added",
+            Self::Replaced => "replaced",
+            Self::Removed => "removed",
+            Self::Kept => "unused kept",
+            Self::Undrawn => "not drawn",
+            Self::TooLarge => "too large",
+        }
+    }
+}
 
 impl Goldens {
     /// Replaces the references of scenes that differ from what the scenes show now, and adds those
@@ -88,10 +162,10 @@ impl Goldens {
                 Unused::Remove => Deed::Removed,
                 Unused::Keep => Deed::Kept,
             },
-            _ if refused.contains(&finding.file) => Deed::Refused,
+            _ if refused.contains(&finding.file) => Deed::TooLarge,
             FindingKind::Missing | FindingKind::MissingLine => Deed::Added,
             _ if files.iter().any(|(file, _)| *file == finding.file) => Deed::Replaced,
-            _ => Deed::Refused,
+            _ => Deed::Undrawn,
         };
         let deeds = outcome.findings().map(deed).collect();
         Ok(Blessing { outcome, deeds })
@@ -104,7 +178,7 @@ impl Goldens {
         compared: &Compared,
         frames: &[KeptFrame],
         files: &mut Files,
-        refused: &mut Vec<std::path::PathBuf>,
+        refused: &mut Vec<PathBuf>,
     ) -> Result<(), GoldenError> {
         for kept in frames {
             let number = kept.frame.frame;
@@ -135,7 +209,7 @@ impl Goldens {
         renewed: &[SceneDigests],
         outcome: &Outcome,
         unused: Unused,
-    ) -> Option<(std::path::PathBuf, Vec<u8>)> {
+    ) -> Option<(PathBuf, Vec<u8>)> {
         let is_unused = |name: &str| {
             let mut strays = outcome.strays.iter();
             strays.any(|stray| match &stray.kind {

@@ -29,7 +29,7 @@ pub enum GoldenError {
         limit: usize,
     },
     /// A file has a name that no report could show.
-    #[error("{}: a name of text without control characters is wanted", file.display())]
+    #[error("{}: wanted a name of text without control characters and backslashes", file.display())]
     Name {
         /// The file.
         file: PathBuf,

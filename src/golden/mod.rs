@@ -14,6 +14,7 @@
 //! **Invariant.** What is drawn depends on the scene files and what they name, never on the order,
 //! number or company of the scenes.
 
+mod annotation;
 mod assert;
 mod bless;
 mod change;
@@ -23,17 +24,24 @@ mod digests;
 mod draw;
 mod error;
 mod find;
+mod json;
+mod junit;
 mod lines;
 mod outcome;
+mod page;
 mod reference;
 mod table;
+mod words;
 
+pub use annotation::github_annotations;
 pub use assert::{TEST_FOLDER, assert_scene};
 pub use bless::{Blessing, Deed};
 pub use change::Change;
 pub use digests::{SceneDigests, digest_text};
 pub use draw::KeptFrame;
 pub use error::GoldenError;
+pub use json::GOLDEN_SCHEMA;
+pub use junit::junit;
 pub use outcome::{
     Case, CaseOutcome, Counts, Evidence, Finding, FindingKind, Outcome, SceneOutcome,
 };
