@@ -15,7 +15,7 @@ species = "SPECIES"
 [[tree]]
 species = "SPECIES"
 seed = 2
-position = [1.5, 0.0, -1.0]
+at = [1.5, 0.0, -1.0]
 
 [camera]
 path = [
@@ -56,7 +56,7 @@ fn sweep_folders_are_the_same_with_any_number_of_threads() {
     let arguments = ["sweep", "scene.toml", "--steps", "3"];
     assert_same_folders(
         &arguments,
-        &["csv", "html", "json", "spinney", "svg"],
+        &["csv", "html", "json", "md", "spinney", "svg"],
         &["sweep.csv"],
     );
 }
