@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::Verdict;
 use super::arguments::{
     Annotate, GoldenBlessOptions, GoldenCheckOptions, GoldenCommand, GoldenDigestsOptions,
     GoldenFolders, GoldenOptions, Shared,
@@ -17,7 +18,7 @@ pub(super) fn golden(
     options: &GoldenOptions,
     shared: &Shared,
     terminal: &Terminal,
-) -> Result<(), CliError> {
+) -> Result<Verdict, CliError> {
     match &options.command {
         GoldenCommand::Check(options) => check(options, shared, terminal),
         GoldenCommand::Bless(options) => bless(options, shared, terminal),
@@ -44,7 +45,7 @@ fn check(
     options: &GoldenCheckOptions,
     shared: &Shared,
     terminal: &Terminal,
-) -> Result<(), CliError> {
+) -> Result<Verdict, CliError> {
     if shared.json && options.annotate.is_some() {
         let message = "--json and --annotate both want standard output; wanted one of them";
         return Err(CliError::Usage(message.to_owned()));
@@ -61,33 +62,29 @@ fn check(
     if let Some(file) = &options.junit {
         write_file(file, junit(&outcome).as_bytes())?;
     }
-    let mut text = match shared.json {
+    let text = match shared.json {
         true => outcome.to_json(),
-        false => outcome.to_text(),
+        false => {
+            let annotations = match options.annotate {
+                Some(Annotate::Github) => github_annotations(&outcome),
+                None => String::new(),
+            };
+            let page = out.join("report.html");
+            format!("{annotations}{}{}\n", outcome.to_text(), page.display())
+        }
     };
-    if options.annotate == Some(Annotate::Github) {
-        text += &github_annotations(&outcome);
-    }
     terminal.print(&text)?;
     if outcome.is_all_unreadable() {
-        let message = format!("{}: no scene can be drawn", folders.folder.display());
-        return Err(CliError::Usage(message));
+        return Err(nothing_drawn(folders));
     }
-    if !outcome.is_same() {
-        let page = out.join("report.html");
-        return Err(CliError::Failed(format!(
-            "scenes and references are not the same; see {}",
-            page.display()
-        )));
-    }
-    Ok(())
+    Ok(verdict(outcome.is_same()))
 }
 
 fn bless(
     options: &GoldenBlessOptions,
     shared: &Shared,
     terminal: &Terminal,
-) -> Result<(), CliError> {
+) -> Result<Verdict, CliError> {
     if std::env::var_os("CI").is_some_and(|value| !value.is_empty()) {
         let message = "references are not blessed in CI, where nobody looks at them (the environment \
                        variable CI is set)";
@@ -109,21 +106,29 @@ fn bless(
     };
     terminal.print(&text)?;
     if blessing.outcome.is_all_unreadable() {
-        let message = format!("{}: no scene can be drawn", folders.folder.display());
-        return Err(CliError::Usage(message));
+        return Err(nothing_drawn(folders));
     }
-    if blessing.is_partial() {
-        let message = "not every reference could be blessed";
-        return Err(CliError::Failed(message.to_owned()));
+    Ok(verdict(!blessing.is_partial()))
+}
+
+fn nothing_drawn(folders: &GoldenFolders) -> CliError {
+    let folder = folders.folder.display();
+    CliError::Usage(format!("{folder}: no scene of this folder can be drawn"))
+}
+
+/// Whether all is well decides.
+fn verdict(is_well: bool) -> Verdict {
+    match is_well {
+        true => Verdict::Passed,
+        false => Verdict::Failed,
     }
-    Ok(())
 }
 
 fn digests(
     options: &GoldenDigestsOptions,
     shared: &Shared,
     terminal: &Terminal,
-) -> Result<(), CliError> {
+) -> Result<Verdict, CliError> {
     let goldens = Goldens {
         scenes: options.folder.clone(),
         ..Goldens::default()
@@ -132,9 +137,11 @@ fn digests(
     let digests = goldens.digests(&progress)?;
     drop(progress);
     if shared.json {
-        return terminal.print(&digests_json(&digests));
+        terminal.print(&digests_json(&digests))?;
+    } else {
+        terminal.print(&digest_text(&digests))?;
     }
-    terminal.print(&digest_text(&digests))
+    Ok(Verdict::Passed)
 }
 
 /// A list of objects, all digests in full.

@@ -61,12 +61,12 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
     let shared = &arguments.shared;
     let done = match &arguments.command {
         Command::Diff(options) => return diff::diff(options, shared, terminal),
+        Command::Golden(options) => return golden::golden(options, shared, terminal),
         Command::Run(options) => run::run(options, shared, terminal),
         Command::Sweep(options) => sweep::sweep(options, shared, terminal),
         Command::Storage(options) => storage::storage(options, shared, terminal),
         Command::Inspect(options) => inspect::inspect(options, shared, terminal),
         Command::Grow(options) => grow::grow(options, shared, terminal),
-        Command::Golden(options) => golden::golden(options, shared, terminal),
         Command::Help(options) => match options.topic {
             Some(Topic::Scene) => terminal.print(&crate::scene::key_help()),
             Some(Topic::Limits) => terminal.print(&crate::limits::limit_help()),

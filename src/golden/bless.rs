@@ -61,18 +61,16 @@ impl Blessing {
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
-        for (finding, deed) in self.findings() {
-            let file = finding.file.display();
-            let words = finding.words();
-            text += &match deed {
-                Deed::Added | Deed::Removed => format!("{file}: {}\n", deed.name()),
-                Deed::Replaced => format!("{file}: replaced: {words}\n"),
-                Deed::Kept => format!("{file}: {words}; kept\n"),
-                Deed::Undrawn => format!("{file}: not drawn: {words}\n"),
-                Deed::TooLarge => {
-                    format!("{file}: not written, since it would exceed {MAX_FILE_BYTES} bytes\n")
-                }
-            };
+        let mut deeds = self.deeds.iter().copied();
+        let scenes = self.outcome.scenes.iter();
+        let in_scenes = scenes.flat_map(|scene| {
+            let name = scene.name.as_str();
+            scene.findings().map(move |finding| (name, finding))
+        });
+        let strays = self.outcome.strays.iter().map(|stray| ("", stray));
+        for (scene, finding) in in_scenes.chain(strays) {
+            let deed = deeds.next().unwrap_or(Deed::Undrawn);
+            text += &deed_text(deed, scene, finding);
         }
         let counts: Vec<String> = Deed::ALL
             .into_iter()
@@ -86,6 +84,24 @@ impl Blessing {
             false => counts.join(", "),
         };
         format!("{text}{}; {done}\n", self.outcome.extent())
+    }
+}
+
+/// What was done about a finding of a scene.
+fn deed_text(deed: Deed, scene: &str, finding: &Finding) -> String {
+    let mut file = finding.file.display().to_string();
+    if finding.what() == "digests" && !scene.is_empty() {
+        file += &format!(": {scene}");
+    }
+    let words = finding.words();
+    match deed {
+        Deed::Added | Deed::Removed => format!("{file}: {}\n", deed.name()),
+        Deed::Replaced => format!("{file}: replaced: {words}\n"),
+        Deed::Kept => format!("{file}: {words}; kept\n"),
+        Deed::Undrawn => format!("{file}: not drawn: {words}\n"),
+        Deed::TooLarge => {
+            format!("{file}: not written, since it would exceed {MAX_FILE_BYTES} bytes\n")
+        }
     }
 }
 

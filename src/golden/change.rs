@@ -28,13 +28,7 @@ impl Change {
 /// `upload payload 65716 → 65720 (+4)`.
 impl fmt::Display for Change {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let shown = |value: &Option<String>| match value {
-            None => "none".to_owned(),
-            // A digest is told apart by its first digits.
-            Some(text) if text.len() == 64 => format!("{}…", text.get(..16).unwrap_or(text)),
-            Some(text) => text.clone(),
-        };
-        let (before, after) = (shown(&self.before), shown(&self.after));
+        let (before, after) = (shown(self.before.as_ref()), shown(self.after.as_ref()));
         write!(out, "{} {before} → {after}", self.what)?;
         match self.by() {
             Some(by) => write!(out, " ({by:+})"),
@@ -43,7 +37,18 @@ impl fmt::Display for Change {
     }
 }
 
-/// What differs between two tables, in the order of the second; rows that are gone come last.
+/// A value for people.
+pub(super) fn shown(value: Option<&String>) -> String {
+    match value {
+        None => "none".to_owned(),
+        // A digest is told apart by its first digits.
+        Some(text) if text.len() == 64 => format!("{}…", text.get(..12).unwrap_or(text)),
+        Some(text) => text.clone(),
+    }
+}
+
+/// What differs between two tables: first what the second says, then what it does not say any more,
+/// last what is no count, since counts tell more.
 pub(super) fn changes(before: &str, after: &str) -> Vec<Change> {
     let (before, after) = (facts(before), facts(after));
     let value_in = |facts: &[(String, String)], what: &str| {
@@ -69,6 +74,7 @@ pub(super) fn changes(before: &str, after: &str) -> Vec<Change> {
         before: Some(value.clone()),
         after: None,
     }));
+    changes.sort_by_key(|change| change.by().is_none());
     changes
 }
 
@@ -154,8 +160,6 @@ a label of more than sixteen characters         116         464
         assert_eq!(
             words(&after),
             [
-                "frame 4, 112 x 112, samples 1 → 4, 112 x 112, samples 4",
-                "picture 795c7e13b97cf853… → 895c7e13b97cf853…",
                 "leaves 4090 → 4089 (-1)",
                 "upload payload 65716 → 65720 (+4)",
                 "buffer a label of more than sixteen characters payload 464 → 468 (+4)",
@@ -163,6 +167,8 @@ a label of more than sixteen characters         116         464
                 "buffer new payload none → 2 (+2)",
                 "cause cluster transfers 116 → none (-116)",
                 "cause cluster payload 65152 → none (-65152)",
+                "frame 4, 112 x 112, samples 1 → 4, 112 x 112, samples 4",
+                "picture 795c7e13b97c… → 895c7e13b97c…",
             ]
         );
     }

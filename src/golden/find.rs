@@ -9,8 +9,8 @@ use crate::report::MARKER;
 use crate::run::{RunError, SessionOptions};
 use crate::scene::SceneFile;
 
-/// How deep folders of scenes may lie in each other; what a check writes lies some folders deeper.
-const MAX_DEPTH: usize = crate::limits::FOLDER_DEPTH - 4;
+/// How deep a scene file may lie: what is found about it is put as deep below another folder.
+const MAX_DEPTH: usize = crate::limits::FOLDER_DEPTH;
 
 /// A scene file, not read yet.
 #[derive(Debug, Clone)]
@@ -75,7 +75,7 @@ fn collect(
     depth: usize,
     files: &mut Vec<(String, PathBuf)>,
 ) -> Result<(), GoldenError> {
-    if depth > MAX_DEPTH {
+    if depth >= MAX_DEPTH {
         return Err(GoldenError::Deep {
             folder: folder.to_owned(),
             limit: MAX_DEPTH,

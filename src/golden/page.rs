@@ -1,7 +1,7 @@
 //! What a check found, as a folder with one page for all.
 
-use super::change::Change;
-use super::outcome::{Case, Finding, FindingKind, Outcome, SceneOutcome};
+use super::change::{Change, shown};
+use super::outcome::{Case, CaseOutcome, Evidence, Finding, FindingKind, Outcome, SceneOutcome};
 use crate::report::{Cell, Column, OutputFolder, Page, PageImage, ReportError, Section, Table};
 
 /// The most rows of the page's tables together; what is more is counted.
@@ -23,16 +23,17 @@ impl Outcome {
         folder.write("report.html", self.page().to_html()?.as_bytes())
     }
 
-    /// One page for all that was found: a table of everything, then the pictures and ledgers scene by
-    /// scene, as many as a page can hold.
+    /// One page for all that was found: a table of scenes, then what is wrong scene by scene, with as
+    /// many pictures as a page can hold.
     #[must_use]
     pub fn page(&self) -> Page {
         let counts = self.counts();
         let title = match counts.scenes - counts.same {
             0 if self.is_same() => "Goldens: all the same".to_owned(),
             0 => "Goldens: references that no scene keeps".to_owned(),
-            differing => format!(
-                "Goldens: {differing} of {} scenes are not the same",
+            1 => format!("Goldens: 1 of {} scenes is not the same", counts.scenes),
+            more => format!(
+                "Goldens: {more} of {} scenes are not the same",
                 counts.scenes
             ),
         };
@@ -42,16 +43,16 @@ impl Outcome {
             pictures: Page::MAX_IMAGES,
         };
         if !self.is_same() {
-            sections.push(self.findings_table(&mut room));
+            sections.push(self.overview(&mut room));
         }
         sections.extend(self.tolerated_table(&mut room));
         for scene in self.scenes.iter().filter(|scene| !scene.is_same()) {
             sections.extend(scene_sections(scene, &mut room));
         }
-        let left = self
+        let pictures = self
             .findings()
             .filter(|finding| finding.picture().is_some());
-        let left = left.count().saturating_sub(Page::MAX_IMAGES);
+        let left = pictures.count().saturating_sub(Page::MAX_IMAGES);
         if left > 0 {
             sections.push(Section::Text(format!(
                 "{left} more pictures lie beside this page, under the names of their references."
@@ -60,34 +61,20 @@ impl Outcome {
         Page { title, sections }
     }
 
-    fn findings_table(&self, room: &mut Room) -> Section {
-        let text = |text: &str| Cell::Text(text.to_owned());
+    /// The scenes that are not the same, and in what, in as few words as can be.
+    fn overview(&self, room: &mut Room) -> Section {
         let mut rows = Vec::new();
-        for scene in &self.scenes {
-            for case in &scene.cases {
-                for finding in &case.findings {
-                    let part = match case.case {
-                        Case::Frame(_) => format!("{}, {}", case.case, finding.what()),
-                        Case::Scene | Case::Digests => case.case.to_string(),
-                    };
-                    rows.push(vec![
-                        text(&scene.name),
-                        Cell::Text(part),
-                        Cell::Text(finding.words()),
-                    ]);
-                }
-            }
+        for scene in self.scenes.iter().filter(|scene| !scene.is_same()) {
+            let parts: Vec<String> = scene.cases.iter().filter_map(case_words).collect();
+            let name = Cell::Text(scene.name.clone());
+            rows.push(vec![name, Cell::Text(parts.join("; "))]);
         }
         for stray in &self.strays {
-            let file = stray.file.display().to_string();
-            rows.push(vec![
-                Cell::Text(file),
-                text("reference"),
-                Cell::Text(stray.words()),
-            ]);
+            let file = Cell::Text(stray.file.display().to_string());
+            rows.push(vec![file, Cell::Text(stray.words())]);
         }
         let caption = room.bounded(&mut rows);
-        let columns = ["scene", "part", "what is wrong"].map(Column::words);
+        let columns = ["scene", "what is not the same"].map(Column::words);
         Section::Table {
             caption,
             table: Table {
@@ -118,7 +105,7 @@ impl Outcome {
         let more = room.bounded(&mut rows);
         let columns = ["scene", "part", "what passes", "reason"].map(Column::words);
         Some(Section::Table {
-            caption: format!("Passed by the tolerance of the scene {more}"),
+            caption: format!("What passes by the tolerance of its scene {more}"),
             table: Table {
                 columns: columns.into(),
                 rows,
@@ -146,44 +133,72 @@ impl Room {
     }
 }
 
-/// The heading, pictures and ledgers of a scene; nothing where there is none to see.
+/// `frame 4: picture, ledger missing`.
+fn case_words(case: &CaseOutcome) -> Option<String> {
+    let words: Vec<String> = case
+        .findings
+        .iter()
+        .map(|finding| match finding.kind.name() {
+            "differs" => finding.what().to_owned(),
+            name => format!("{} {name}", finding.what()),
+        })
+        .collect();
+    match case.case {
+        _ if words.is_empty() => None,
+        Case::Frame(_) => Some(format!("{}: {}", case.case, words.join(", "))),
+        Case::Scene | Case::Digests => Some(words.join(", ")),
+    }
+}
+
+/// Heading, words, pictures and ledgers of a scene; nothing where a page has no more room.
 fn scene_sections(scene: &SceneOutcome, room: &mut Room) -> Vec<Section> {
-    let mut sections = Vec::new();
+    if room.rows == 0 {
+        return Vec::new();
+    }
+    let mut sections = vec![
+        Section::Heading(scene.name.clone()),
+        Section::Text(format!("{}:{}", scene.file.display(), scene.line)),
+    ];
     for case in &scene.cases {
-        let pictures: Vec<PageImage> = case
-            .findings
-            .iter()
-            .filter_map(|finding| page_image(&case.case.to_string(), finding))
-            .take(room.pictures)
-            .collect();
-        room.pictures -= pictures.len();
-        if !pictures.is_empty() {
-            sections.push(Section::Images(pictures));
-        }
+        let name = case.case.to_string();
+        let mut pictures = Vec::new();
+        let mut others = Vec::new();
         for finding in &case.findings {
-            if let FindingKind::Ledger(changes) = &finding.kind
-                && room.rows > 0
-            {
-                sections.push(ledger_table(&case.case.to_string(), changes, room));
+            match (&finding.kind, finding.picture()) {
+                (FindingKind::Ledger(changes), _) if !changes.is_empty() => {
+                    others.push(ledger_table(&name, changes, room));
+                }
+                (_, Some(evidence)) if room.pictures > 0 => {
+                    room.pictures -= 1;
+                    pictures.push(page_image(&name, finding, evidence));
+                }
+                _ => {
+                    room.rows = room.rows.saturating_sub(1);
+                    let mut words = format!("{}: {}", finding.what(), finding.words());
+                    if matches!(case.case, Case::Frame(_)) {
+                        words = format!("{name}: {words}");
+                    }
+                    others.push(Section::Text(words));
+                }
             }
         }
-    }
-    if !sections.is_empty() {
-        sections.insert(0, Section::Heading(scene.name.clone()));
+        if !pictures.is_empty() {
+            sections.push(Section::Large(pictures));
+        }
+        sections.extend(others);
     }
     sections
 }
 
-fn page_image(case: &str, finding: &Finding) -> Option<PageImage> {
-    let evidence = finding.picture()?;
+fn page_image(case: &str, finding: &Finding, evidence: &Evidence) -> PageImage {
     let shows = match finding.kind {
         FindingKind::Picture(_) | FindingKind::Size { .. } => "expected | differing | actual",
         _ => "actual",
     };
-    Some(PageImage {
-        caption: format!("{case}: {shows}. {}", finding.words()),
+    PageImage {
+        caption: format!("{case}: {shows}. Picture: {}", finding.words()),
         png: evidence.bytes.clone(),
-    })
+    }
 }
 
 fn ledger_table(case: &str, changes: &[Change], room: &mut Room) -> Section {
@@ -191,15 +206,16 @@ fn ledger_table(case: &str, changes: &[Change], room: &mut Room) -> Section {
         None => Cell::Missing,
         Some(text) => match text.parse() {
             Ok(count) => Cell::Count(count),
-            Err(_) => Cell::Text(text.clone()),
+            Err(_) => Cell::Text(shown(Some(text))),
         },
     };
+    // The change stands first, so that a narrow window shows it.
     let row = |change: &Change| {
         let by = change
             .by()
             .map_or(Cell::Missing, |by| Cell::Text(format!("{by:+}")));
         let what = Cell::Text(change.what.clone());
-        vec![what, cell(&change.before), cell(&change.after), by]
+        vec![what, by, cell(&change.before), cell(&change.after)]
     };
     let mut rows: Vec<Vec<Cell>> = changes.iter().map(row).collect();
     let more = room.bounded(&mut rows);
@@ -208,9 +224,9 @@ fn ledger_table(case: &str, changes: &[Change], room: &mut Room) -> Section {
         table: Table {
             columns: vec![
                 Column::words("count"),
+                Column::numbers("change"),
                 Column::numbers("expected"),
                 Column::numbers("actual"),
-                Column::numbers("change"),
             ],
             rows,
         },

@@ -93,7 +93,7 @@ impl Outcome {
         text + &self.summary() + "\n"
     }
 
-    /// One line: `35 scenes, 63 frames: 2 differ, 1 missing; 32 scenes are the same`.
+    /// One line: `35 scenes, 63 frames: 2 differ, 1 missing, 32 scenes the same`.
     #[must_use]
     pub fn summary(&self) -> String {
         let counts = self.counts();
@@ -104,22 +104,22 @@ impl Outcome {
             .filter(|(_, count)| *count > 0)
             .map(|(name, count)| format!("{count} {name}"))
             .collect();
-        let tolerated = match counts.tolerated {
-            0 => String::new(),
-            count => format!(", {count} of them within a tolerance"),
-        };
         if wrong.is_empty() {
-            return format!("{extent}: all the same{tolerated}");
+            return format!("{extent}: all the same");
         }
         wrong.push(format!("{} the same", plural(counts.same, "scene")));
-        format!("{extent}: {}{tolerated}", wrong.join(", "))
+        format!("{extent}: {}", wrong.join(", "))
     }
 
-    /// How much was compared: `35 scenes, 63 frames`.
+    /// How much was compared: `35 scenes, 63 frames, 2 of them within a tolerance`.
     pub(super) fn extent(&self) -> String {
         let counts = self.counts();
         let scenes = plural(counts.scenes, "scene");
-        format!("{scenes}, {}", plural(counts.frames, "frame"))
+        let frames = plural(counts.frames, "frame");
+        match counts.tolerated {
+            0 => format!("{scenes}, {frames}"),
+            some => format!("{scenes}, {frames}, {some} of them within a tolerance"),
+        }
     }
 }
 

@@ -30,6 +30,9 @@ const LITTER: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 /// can be deleted.)
 #[derive(Debug)]
 pub struct OutputFolder {
+    /// The target as it was given: what messages say.
+    shown: PathBuf,
+    /// The target with links followed.
     target: PathBuf,
     building: PathBuf,
     /// Folders that were created around the target, outermost first.
@@ -54,13 +57,14 @@ impl OutputFolder {
                 "it has no name",
             ))
         })?;
-        check_replaceable(&target)?;
+        check_replaceable(&target, wanted)?;
         let parent = target.parent().unwrap_or(Path::new(""));
         let created = create_parents(parent).map_err(fail)?;
         let mut folder = Self {
             building: PathBuf::new(),
             created,
             finished: false,
+            shown: wanted.to_owned(),
             target: target.clone(),
         };
         folder.building = unused_sibling(parent, name, |path| fs::create_dir(path))
@@ -115,14 +119,14 @@ impl OutputFolder {
     /// When the target became something that must not be replaced, or cannot be; then it is as it
     /// was.
     pub fn commit(mut self) -> Result<(), ReportError> {
-        let fail = |cause| ReportError::write(&self.target, cause);
+        let fail = |cause| ReportError::write(&self.shown, cause);
         let mut marker = format!("{HEADING}\n");
         for file in files_below(&self.building).map_err(fail)? {
             marker += &file;
             marker.push('\n');
         }
         fs::write(self.building.join(MARKER), marker).map_err(fail)?;
-        check_replaceable(&self.target)?;
+        check_replaceable(&self.target, &self.shown)?;
         if self.target.exists() {
             let name = self.target.file_name().unwrap_or_default();
             let parent = self.target.parent().unwrap_or(Path::new(""));
@@ -149,7 +153,7 @@ impl OutputFolder {
 
     fn failed(&self, name: &str, cause: io::Error) -> ReportError {
         // Named as it will be called: the sibling means nothing to anybody.
-        ReportError::write(&self.target.join(name), cause)
+        ReportError::write(&self.shown.join(name), cause)
     }
 }
 
@@ -184,14 +188,14 @@ fn resolved(target: &Path) -> Result<PathBuf, ReportError> {
         .map_err(|cause| ReportError::write(target, cause))
 }
 
-/// Refuses a folder with a file that its marker does not list.
-fn check_replaceable(target: &Path) -> Result<(), ReportError> {
+/// Refuses a folder, which messages call `shown`, with a file that its marker does not list.
+fn check_replaceable(target: &Path, shown: &Path) -> Result<(), ReportError> {
+    let fail = |cause| ReportError::write(shown, cause);
     match target.symlink_metadata() {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        Err(cause) => return Err(ReportError::write(target, cause)),
+        Err(cause) => return Err(fail(cause)),
         Ok(_) => {}
     }
-    let fail = |cause| ReportError::write(target, cause);
     let known: BTreeSet<String> = match fs::read_to_string(target.join(MARKER)) {
         Ok(text) if text.lines().next() == Some(HEADING) => {
             let listed = text.lines().skip(1).map(str::to_owned);
@@ -204,7 +208,7 @@ fn check_replaceable(target: &Path) -> Result<(), ReportError> {
     match find_below(target, "", 1, &mut is_foreign).map_err(fail)? {
         None => Ok(()),
         Some(found) => Err(ReportError::Foreign {
-            path: target.to_owned(),
+            path: shown.to_owned(),
             found,
         }),
     }
@@ -382,7 +386,7 @@ mod tests {
             format!(
                 "cannot write {}: it holds notes/today.txt, which spinney did not write; wanted a \
                  new or empty folder, or one from an earlier run",
-                target.canonicalize().unwrap().display()
+                target.display()
             )
         );
         assert!(error.is_write());

@@ -161,7 +161,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let text = |leaves: u32| {
             format!(
-                "schema = \"spinney.species/1\"\nname = \"broom\"\nleaf_count = {leaves}\nstop_leaves = 2\n"
+                "schema = \"spinney.species/1\"\nname = \"broom\"\nleaf_count = {leaves}\n\
+                 stop_leaves = 2\n[crown]\nlevels = 2\n[[foliage]]\nsilhouette = \"pinnate_entire\"\n"
             )
         };
         let put = |name: &str, leaves| {

@@ -7,6 +7,7 @@ mod determinism;
 mod diff;
 mod explain;
 mod gltf;
+mod golden;
 mod gpu;
 mod house;
 mod laws;
