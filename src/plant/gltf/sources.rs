@@ -28,7 +28,7 @@ impl PlantSources {
 }
 
 /// Reads a `.glb` or `.gltf` file and the files that its buffers and images lie in, of all together
-/// at most [`MAX_FILE_BYTES`] beside the document.
+/// at most [`PLANT_FILE_BYTES`] beside the document.
 ///
 /// A file beside it that is missing, or too large, is left out: an import that succeeds does not
 /// need it.
