@@ -219,3 +219,90 @@ fn decode_exr(bytes: &[u8]) -> Result<Vec<Channel>, String> {
         None => Ok(channels),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image, Layer, LayerAttributes,
+        LineOrder, SmallVec, Text, Vec2, WritableImage as _, f16,
+    };
+
+    use super::*;
+
+    fn part(name: &str, samples: FlatSamples) -> Layer<AnyChannels<FlatSamples>> {
+        let encoding = Encoding {
+            compression: Compression::ZIP1,
+            blocks: Blocks::Tiles(Vec2(2, 2)),
+            line_order: LineOrder::Increasing,
+        };
+        let channel = AnyChannel::new(Text::from("Z"), samples);
+        Layer::new(
+            (3, 1),
+            LayerAttributes::named(name).with_position(Vec2(-4, 5)),
+            encoding,
+            AnyChannels::sort(SmallVec::from_vec(vec![channel])),
+        )
+    }
+
+    fn written(parts: Vec<Layer<AnyChannels<FlatSamples>>>) -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        let attributes = exr::prelude::ImageAttributes::with_size((3, 1));
+        Image::from_layers(attributes, SmallVec::from_vec(parts))
+            .write()
+            .non_parallel()
+            .to_buffered(&mut file)
+            .expect("a file");
+        file.into_inner()
+    }
+
+    #[test]
+    fn parts_name_their_channels_and_halves_become_wide() {
+        let halves = [0.5, -0.0, 65504.0].map(f16::from_f32).to_vec();
+        let one = part("near", FlatSamples::F16(halves));
+        let other = part("far", FlatSamples::U32(vec![1, 2, u32::MAX]));
+        let file = written(vec![one.clone(), other]);
+        let ImageFile::Exr(channels) = ImageFile::decode(&file).unwrap() else {
+            panic!("an EXR file");
+        };
+        let names: Vec<_> = channels
+            .iter()
+            .map(|channel| channel.name.as_str())
+            .collect();
+        assert_eq!(names, ["far.Z", "near.Z"]);
+        assert_eq!(channels[0].samples, LayerSamples::U32(vec![1, 2, u32::MAX]));
+        assert_eq!(channels[1].kind, SampleKind::F16);
+        assert_eq!(
+            channels[1].samples,
+            LayerSamples::F32(vec![0.5, -0.0, 65504.0])
+        );
+        assert_eq!((channels[1].origin, channels[1].size), ([-4, 5], [3, 1]));
+        // A part that is alone does not name them.
+        let ImageFile::Exr(channels) = ImageFile::decode(&written(vec![one])).unwrap() else {
+            panic!("an EXR file");
+        };
+        assert_eq!(channels[0].name, "Z");
+    }
+
+    #[test]
+    fn unsound_exr_files_are_refused() {
+        let file = written(vec![part("Z", FlatSamples::F32(vec![0.0; 3]))]);
+        for length in [5, 20, 100, file.len() / 2, file.len() - 1] {
+            assert!(ImageFile::decode(&file[..length]).is_err(), "{length}");
+        }
+        // The window of the data, in the header: its right end goes far out.
+        let key = b"dataWindow\0box2i\0";
+        let at = file.windows(key.len()).position(|bytes| bytes == key);
+        let right = at.expect("every file has it") + key.len() + 4 + 8;
+        let mut wide = file;
+        wide[right..right + 4].copy_from_slice(&2_000_000_000_i32.to_le_bytes());
+        let error = ImageFile::decode(&wide).unwrap_err();
+        assert!(
+            error.contains("exceed the limit") || error.contains("no sound"),
+            "{error}"
+        );
+        assert_eq!(
+            ImageFile::decode(b"P6").unwrap_err(),
+            "neither a PNG nor an EXR file"
+        );
+    }
+}

@@ -9,6 +9,7 @@
 use super::text::{channel_notes, channel_table, look_facts};
 use super::triptych::differing;
 use super::{Flip, ImageDifference, LookDifference, RunDifference, triptych};
+use crate::math::index_u32;
 use crate::report::thumbnail::shrink;
 use crate::report::{
     Cell, Column, OutputFolder, Page, PageImage, Picture, ReportError, Section, Table,
@@ -17,8 +18,8 @@ use crate::report::{
 /// The longer sides of pictures on a page: the first with which it is small enough.
 const SIDES: [u32; 5] = [640, 320, 160, 80, 40];
 
-/// The frames of a run that a page shows.
-const MOST_FRAMES: usize = 6;
+/// The frames of a run that a page shows: each takes seven of a page's 24 pictures.
+const MOST_FRAMES: usize = 3;
 
 /// The side of a detail, in pixels of the pictures.
 const DETAIL: u32 = 48;
@@ -69,8 +70,7 @@ impl DiffFolder {
             caption: String::new(),
             table: name_table(names),
         }];
-        let sentences = found.sentences().into_iter();
-        before.extend(sentences.map(|sentence| Section::Text(sentence + ".")));
+        before.push(Section::Text(found.sentences().join("; ") + "."));
         let unequal = found.frames.iter().filter(|frame| frame.look.is_some());
         let unequal = unequal.count();
         if unequal > self.looks.len() {
@@ -256,9 +256,12 @@ fn shown(look: &LookDifference, tolerance: u8, side: u32) -> Result<Vec<Section>
             "Around the largest difference, at ({x}, {y}):"
         )));
         sections.push(Section::Images(vec![
-            image("expected", &one)?,
-            image("differing", &differing(&one, &other, tolerance, 1)?)?,
-            image("actual", &other)?,
+            image("expected", &magnified(&one)?)?,
+            image("actual", &magnified(&other)?)?,
+            image(
+                "differing",
+                &magnified(&differing(&one, &other, tolerance, 1)?)?,
+            )?,
         ]));
     }
     Ok(sections)
@@ -280,6 +283,18 @@ fn cropped(picture: &Picture, [x, y]: [u32; 2]) -> Result<Picture, ReportError> 
     Picture::new(width, height, pixels.copied().collect())
 }
 
+/// A picture whose pixels are large squares.
+fn magnified(picture: &Picture) -> Result<Picture, ReportError> {
+    const SIDE: usize = 5;
+    let rows = super::difference::rows(picture).flat_map(|row| {
+        let wide = row.iter().flat_map(|pixel| [*pixel; SIDE]);
+        wide.collect::<Vec<[u8; 4]>>().repeat(SIDE)
+    });
+    let rgba = rows.collect::<Vec<_>>().into_flattened();
+    let [width, height] = super::difference::size(picture).map(|side| side * index_u32(SIDE));
+    Picture::new(width, height, rgba)
+}
+
 /// A map of what is seen: from dark over violet and orange to white.
 fn flip_map([width, height]: [u32; 2], flip: &Flip) -> Result<Picture, ReportError> {
     const STOPS: [[u8; 3]; 5] = [
@@ -290,7 +305,7 @@ fn flip_map([width, height]: [u32; 2], flip: &Flip) -> Result<Picture, ReportErr
         [255, 252, 216],
     ];
     let colour = |value: u8| {
-        // 64 steps from stop to stop; 255 is one short of the last.
+        // 64 steps from stop to stop; 255 becomes 256, the last.
         let scaled = u32::from(value) * 256 / 255;
         let (stop, part) = (
             (scaled / 64).min(3) as usize,
@@ -305,4 +320,84 @@ fn flip_map([width, height]: [u32; 2], flip: &Flip) -> Result<Picture, ReportErr
     let table: Vec<[u8; 4]> = (0..=255).map(colour).collect();
     let pixels = flip.map.iter().flat_map(|&value| table[usize::from(value)]);
     Picture::new(width, height, pixels.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{example, variant};
+    use super::*;
+
+    #[test]
+    fn maps_go_from_dark_to_light() {
+        let flip = Flip {
+            mean: 0.0,
+            largest: 1.0,
+            largest_at: [0; 2],
+            map: vec![0, 64, 255],
+        };
+        let map = flip_map([3, 1], &flip).unwrap();
+        let wanted = [[12, 12, 20, 255], [80, 32, 128, 255], [255, 252, 216, 255]];
+        assert_eq!(map.rgba(), wanted.concat());
+    }
+
+    #[test]
+    fn details_are_squares_within_the_picture() {
+        let picture = example();
+        for (at, corner) in [([0, 0], [0, 0]), ([20, 40], [0, 16]), ([63, 79], [16, 32])] {
+            let found = cropped(&picture, at).unwrap();
+            assert_eq!([found.width(), found.height()], [48, 48]);
+            let first = 4 * (corner[1] * 64 + corner[0]);
+            assert_eq!(found.rgba()[..4], picture.rgba()[first..first + 4]);
+        }
+        let large = magnified(&cropped(&picture, [0, 0]).unwrap()).unwrap();
+        assert_eq!([large.width(), large.height()], [240, 240]);
+        assert_eq!(large.rgba()[4 * 4..4 * 5], large.rgba()[..4]);
+    }
+
+    #[test]
+    fn pages_are_as_small_as_they_must_be() {
+        // Noise of 640 × 640 pixels, which no encoder makes smaller: twice four such pictures take
+        // more than a page may.
+        const BYTES: u64 = 4 * 640 * 640;
+        let stream = crate::math::Stream::new(1, 0);
+        let noise = |seed: u64| {
+            let bytes = (0..BYTES).map(|index| {
+                let byte = stream.below(seed * BYTES + index, 256);
+                u8::try_from(byte).expect("a byte")
+            });
+            Picture::new(640, 640, bytes.collect()).expect("filled")
+        };
+        let look = LookDifference::between([noise(0), noise(1)], 0);
+        let found = ImageDifference {
+            channels: None,
+            look: Some(look),
+        };
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("out");
+        let mut folder = DiffFolder::new(OutputFolder::create(&target).unwrap(), 0);
+        let look = found.look.clone().unwrap();
+        folder.looks.push(("Once".to_owned(), look));
+        folder.finish_images(["a", "b"], &found).unwrap();
+        let page = std::fs::read_to_string(target.join("report.html")).unwrap();
+        assert!(page.len() <= Page::MAX_BYTES && page.len() > 1_000_000);
+        assert_eq!(page.matches("<img").count(), 14);
+    }
+
+    #[test]
+    fn folders_are_the_same_every_time() {
+        let root = tempfile::tempdir().unwrap();
+        let pages = ["one", "other"].map(|name| {
+            let target = root.path().join(name);
+            let folder = DiffFolder::new(OutputFolder::create(&target).unwrap(), 2);
+            let look = LookDifference::between([example(), variant("noise")], 2);
+            let found = ImageDifference {
+                channels: None,
+                look: Some(look),
+            };
+            folder.finish_images(["a.png", "b.png"], &found).unwrap();
+            ["report.html", "triptych.png", "flip.png"]
+                .map(|file| std::fs::read(target.join(file)).unwrap())
+        });
+        assert_eq!(pages[0], pages[1]);
+    }
 }

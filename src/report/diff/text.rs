@@ -157,7 +157,7 @@ fn metric_facts(metrics: &Metrics) -> Vec<Fact> {
     let [x, y] = found.largest_at;
     facts.push(("largest", format!("{} of 255 at ({x}, {y})", found.largest)));
     if let Some([left, top, right, bottom]) = found.bounds {
-        facts.push(("within", format!("x {left}..={right}, y {top}..={bottom}")));
+        facts.push(("where", format!("x {left}..={right}, y {top}..={bottom}")));
     }
     let ssim = match metrics.ssim {
         Some(ssim) => decimal(ssim, 6),
@@ -401,12 +401,12 @@ mod tests {
         let text = found.to_text(80);
         let wanted = "\
 size       64 × 80 pixels
-unequal    53 of 5,120 pixels
-differing  53 of 5,120 pixels, by more than 3 of 255
+unequal    52 of 5,120 pixels
+differing  52 of 5,120 pixels, by more than 3 of 255
 largest    215 of 255 at (0, 0)
-within     x 0..=63, y 0..=79
-mean       1.3551 of 255 a channel
-PSNR       25.086 dB, mean square 201.6237
+where      x 0..=63, y 0..=78
+mean       1.3339 of 255 a channel
+PSNR       25.086 dB, mean square 201.6102
 SSIM       0.896159
 FLIP       0.043435 in the mean, 0.964382 at (0, 0)
 ";
