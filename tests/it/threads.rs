@@ -91,10 +91,8 @@ fn assert_same_folders(arguments: &[&str], kinds: &[&str], named: &[&str]) {
         collect(&out, "", &mut files);
         std::fs::remove_dir_all(out).expect("writable");
         let Some(wanted) = &wanted else {
-            let mut found: Vec<_> = files
-                .keys()
-                .filter_map(|file| file.split('.').nth(1))
-                .collect();
+            let kind = |file: &String| Some(file.rsplit_once('.')?.1.to_owned());
+            let mut found: Vec<_> = files.keys().filter_map(kind).collect();
             found.sort_unstable();
             found.dedup();
             assert_eq!(found, kinds);
