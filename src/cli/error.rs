@@ -39,8 +39,6 @@ pub(super) enum CliError {
     Report(#[from] ReportError),
     #[error("{0}")]
     Usage(String),
-    #[error("{0}")]
-    Failed(String),
     #[error("{place}: {problem}")]
     Write { place: String, problem: String },
 }
@@ -54,7 +52,6 @@ impl CliError {
             Self::Report(error) if error.is_write() => 4,
             Self::Golden(error) if error.is_write() => 4,
             Self::Write { .. } => 4,
-            Self::Failed(_) => 1,
             Self::Scene(_)
             | Self::Document(_)
             | Self::Import(_)

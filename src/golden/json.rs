@@ -21,10 +21,12 @@ impl Outcome {
     ///   "strays": [ FINDING ] }
     /// FINDING: { "kind", "what", "file", "message", "difference": DIFFERENCE,
     ///     "changes": [ { "what", "before", "after", "by" } ], "parts": [ … ], "evidence" }
-    /// DIFFERENCE: { "pixels", "of", "largest", "at": [x, y], "bounds": [left, top, right, bottom] }
+    /// DIFFERENCE: { "pixels", "unequal", "of", "largest", "at": [x, y],
+    ///     "bounds": [left, top, right, bottom] }
     /// ```
     ///
-    /// What does not apply is null; `evidence` is a file below the output folder.
+    /// Of `of` pixels, `unequal` differ at all and `pixels` by more than the tolerance. What does not
+    /// apply is null; `evidence` is a file below the output folder.
     #[must_use]
     pub fn to_json(&self) -> String {
         let counts = self.counts();
@@ -121,7 +123,8 @@ fn finding(finding: &Finding) -> Value {
 
 fn difference(difference: &Difference) -> Value {
     json!({
-        "pixels": difference.unequal,
+        "pixels": difference.pixels,
+        "unequal": difference.unequal,
         "of": difference.total(),
         "largest": difference.largest,
         "at": difference.largest_at,

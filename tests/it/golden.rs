@@ -64,7 +64,8 @@ impl Repository {
     /// A repository whose references are what its scene shows.
     fn blessed() -> Self {
         let repository = Self::new();
-        assert_eq!(repository.run(&["golden", "bless"]).status.code(), Some(0));
+        let (code, told) = repository.told(&["golden", "bless"]);
+        assert_eq!(code, 0, "{told}");
         repository
     }
 
