@@ -24,11 +24,12 @@
 //! # The stages, in the order of the data
 //!
 //! [`scene`], [`plant`], [`simplify`], [`models`], [`gpu`], [`raster`], [`run`], [`report`],
-//! [`golden`], and [`cli`], the only one that prints. [`math`], [`document`] and [`limits`] serve
-//! all; [`testkit`] tests models, ours and others'.
+//! [`golden`], [`explain`], and [`cli`], the only one that prints. [`math`], [`document`] and
+//! [`limits`] serve all; [`testkit`] tests models, ours and others'.
 
 pub mod cli;
 pub mod document;
+pub mod explain;
 pub mod golden;
 pub mod gpu;
 pub mod limits;

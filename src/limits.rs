@@ -55,6 +55,8 @@ limits! {
     PICTURE_FILE_BYTES: u64 = 536_870_912, "bytes";
     /// A `ledger.json` that is compared.
     LEDGER_BYTES: u64 = 536_870_912, "bytes";
+    /// A text of a run's folder that `explain` reads: of `ledger.csv`, some 100 bytes a transfer.
+    RUN_TEXT_BYTES: u64 = 536_870_912, "bytes";
     /// A line of `ops.jsonl`: some ten bytes a cluster that changes.
     OPS_LINE_BYTES: usize = 268_435_456, "bytes";
 

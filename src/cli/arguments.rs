@@ -71,6 +71,8 @@ pub(super) enum Command {
     Golden(GoldenOptions),
     /// Compare two images or two run folders
     Diff(DiffOptions),
+    /// Tell which leaf a pixel of a run shows and why, or where two runs part
+    Explain(ExplainOptions),
     /// Explain the commands, the keys of scene or species files, or the limits
     Help(HelpOptions),
 }
@@ -239,6 +241,19 @@ pub(super) struct DiffOptions {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct ExplainOptions {
+    /// Folder of a run; or of two, to be told where they part
+    #[arg(required = true, num_args = 1..=2, value_name = "RUN")]
+    pub(super) runs: Vec<PathBuf>,
+    /// Column and row of a pixel, such as 31,20, from the top left
+    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    pub(super) pixel: Option<(u32, u32)>,
+    /// Frame of the pixel, default the run's first
+    #[arg(long, value_name = "N")]
+    pub(super) frame: Option<u32>,
+}
+
+#[derive(Debug, Args)]
 pub(super) struct HelpOptions {
     /// What to explain
     #[arg(value_enum)]
@@ -282,6 +297,12 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     ))
 }
 
+fn pixel(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "wanted column,row in pixels, such as 31,20".to_owned();
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    Ok((number(x).ok_or_else(wrong)?, number(y).ok_or_else(wrong)?))
+}
+
 fn frames(text: &str) -> Result<Range<u32>, String> {
     let wrong = || "wanted first..end, such as 0..10, with end after first".to_owned();
     let (first, end) = text.split_once("..").ok_or_else(wrong)?;
@@ -320,6 +341,8 @@ mod tests {
         Arguments::command().debug_assert();
         assert_eq!(size("640x480"), Ok((640, 480)));
         assert!(size("640").is_err() && size("ax1").is_err() && size("-1x4").is_err());
+        assert_eq!(pixel("31,20"), Ok((31, 20)));
+        assert!(pixel("31").is_err() && pixel("31,").is_err() && pixel("-1,4").is_err());
         assert_eq!(frames("2..5"), Ok(2..5));
         assert!(frames("5..5").is_err() && frames("5").is_err());
         assert_eq!(shard("1/4"), Ok(Shard { index: 1, count: 4 }));

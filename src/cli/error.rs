@@ -1,6 +1,7 @@
 //! What went wrong, and which exit code says so.
 
 use crate::document::DocumentError;
+use crate::explain::ExplainError;
 use crate::golden::GoldenError;
 use crate::gpu::GpuError;
 use crate::plant::GrowError;
@@ -34,6 +35,8 @@ pub(super) enum CliError {
     #[error(transparent)]
     Run(#[from] RunError),
     #[error(transparent)]
+    Explain(#[from] ExplainError),
+    #[error(transparent)]
     Golden(#[from] GoldenError),
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -48,6 +51,7 @@ impl CliError {
     pub(super) fn code(&self) -> u8 {
         match self {
             Self::Run(error) if is_budget(error) => 3,
+            Self::Explain(ExplainError::Run(error)) if is_budget(error) => 3,
             Self::Golden(GoldenError::Run { source, .. }) if is_budget(source) => 3,
             Self::Report(error) if error.is_write() => 4,
             Self::Golden(error) if error.is_write() => 4,
@@ -58,6 +62,7 @@ impl CliError {
             | Self::Export(_)
             | Self::Grow { .. }
             | Self::Run(_)
+            | Self::Explain(_)
             | Self::Golden(_)
             | Self::Report(_)
             | Self::Usage(_) => 2,

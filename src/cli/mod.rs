@@ -11,6 +11,7 @@
 mod arguments;
 mod diff;
 mod error;
+mod explain;
 mod golden;
 mod grow;
 mod inspect;
@@ -62,6 +63,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
     let done = match &arguments.command {
         Command::Diff(options) => return diff::diff(options, shared, terminal),
         Command::Golden(options) => return golden::golden(options, shared, terminal),
+        Command::Explain(options) => return explain::explain(options, shared, terminal),
         Command::Run(options) => run::run(options, shared, terminal),
         Command::Sweep(options) => sweep::sweep(options, shared, terminal),
         Command::Storage(options) => storage::storage(options, shared, terminal),

@@ -353,6 +353,12 @@ impl Device {
         })
     }
 
+    /// The handles of all textures with their labels, in order of creation.
+    pub fn textures(&self) -> impl Iterator<Item = (TextureId, &str)> {
+        let slots = (0..).zip(&self.textures);
+        slots.map(|(index, slot)| (TextureId(index), slot.label.as_str()))
+    }
+
     pub(super) fn buffer(&self, id: BufferId) -> Result<&Buffer, GpuError> {
         let slot = self.buffers.get(id.0 as usize).and_then(Option::as_ref);
         slot.ok_or(GpuError::Unknown {

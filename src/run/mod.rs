@@ -20,7 +20,7 @@ pub use crowns::CrownStore;
 pub use mass::{Mass, directions, mass};
 pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};
 pub use progress::{Progress, Silent};
-pub use session::{Frame, Session, SessionOptions};
+pub use session::{Frame, Owner, Session, SessionOptions};
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
 pub use world::{StandingTree, World, crown};
 

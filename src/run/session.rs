@@ -4,9 +4,9 @@ use super::RunError;
 use super::world::World;
 use crate::gpu::{
     Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, ProbedFragment, RenderPass,
-    TargetDescriptor, TargetId,
+    ResourceId, TargetDescriptor, TargetId,
 };
-use crate::math::{Digest, whole_u32};
+use crate::math::{Digest, Vec4, whole_u32};
 use crate::models::{
     Change, Criterion, Environment, Extent, Extraction, Gather, Kind, LEAF_GROUP, ModelOptions,
     Resident, Shared, State, Trunk, View, select,
@@ -117,6 +117,40 @@ pub struct Session<'w> {
     residents: Vec<Box<dyn Resident>>,
     initial: Ledger,
     view: Option<View>,
+    owners: Owners,
+}
+
+/// What a buffer or texture of a session belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Owner {
+    /// The whole scene: the view, where trees stand.
+    Scene,
+    /// All trees of a plant, by its number in [`World::crowns`].
+    Plant(usize),
+    /// One tree, by its number in [`World::trees`].
+    Tree(u32),
+}
+
+/// Owners in the order of creation; handles count in the same order.
+#[derive(Debug, Default)]
+struct Owners {
+    buffers: Vec<Owner>,
+    textures: Vec<Owner>,
+}
+
+impl Owners {
+    /// What was created since the last call belongs to `owner`.
+    fn claim(&mut self, device: &Device, owner: Owner) {
+        self.buffers.resize(device.buffers().count(), owner);
+        self.textures.resize(device.textures().count(), owner);
+    }
+}
+
+/// Whether a session records what it sends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Recorded {
+    No,
+    FromTheStart,
 }
 
 /// What one frame showed and cost.
@@ -151,12 +185,38 @@ impl<'w> Session<'w> {
         world: &'w World,
         options: &SessionOptions,
     ) -> Result<Self, RunError> {
+        Self::make(scene, world, options, Recorded::No)
+    }
+
+    /// As [`new`](Self::new), with every byte recorded from the first on: see
+    /// [`Device::recording`].
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn recorded(
+        scene: &'w Scene,
+        world: &'w World,
+        options: &SessionOptions,
+    ) -> Result<Self, RunError> {
+        Self::make(scene, world, options, Recorded::FromTheStart)
+    }
+
+    fn make(
+        scene: &'w Scene,
+        world: &'w World,
+        options: &SessionOptions,
+        recorded: Recorded,
+    ) -> Result<Self, RunError> {
         let mut device = Device::new(DeviceDescriptor {
             memory_bytes: scene.device.memory,
             link: options.link,
             card: options.card,
             raster: options.raster,
         });
+        if recorded == Recorded::FromTheStart {
+            device.record();
+        }
         let target = device.create_target(&TargetDescriptor {
             label: "frame",
             width: options.size.width(),
@@ -168,14 +228,17 @@ impl<'w> Session<'w> {
         })?;
         let trees = crate::math::index_u32(world.trees.len());
         let environment = Environment::new(&mut device, trees)?;
+        let mut owners = Owners::default();
+        owners.claim(&device, Owner::Scene);
         let mut trunks = Vec::new();
         let mut shared: Vec<Box<dyn Shared>> = Vec::new();
-        for crown in &world.crowns {
+        for (number, crown) in world.crowns.iter().enumerate() {
             let trunk = crown.plant().trunk();
             let trunk = trunk.map(|mesh| Trunk::upload(&mut device, &environment, mesh));
             trunks.push(trunk.transpose()?);
             let model = options.kind.model(crown, options.model);
             shared.push(model.upload(&mut device, &environment)?);
+            owners.claim(&device, Owner::Plant(number));
         }
         let mut session = Self {
             scene,
@@ -189,12 +252,14 @@ impl<'w> Session<'w> {
             residents: Vec::new(),
             initial: Ledger::default(),
             view: None,
+            owners,
         };
         let states = session.select(0);
         for ((number, tree), state) in (0..).zip(&world.trees).zip(&states) {
             environment.place(&mut session.device.queue(), number, &tree.placement)?;
             let resident = shared[tree.crown].instance(&mut session.device, state, number)?;
             session.residents.push(resident);
+            session.owners.claim(&session.device, Owner::Tree(number));
         }
         session.initial = session.device.take_ledger();
         Ok(session)
@@ -210,6 +275,21 @@ impl<'w> Session<'w> {
     #[must_use]
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// What a buffer or texture belongs to; those that the session did not make, to the scene.
+    #[must_use]
+    pub fn owner(&self, resource: ResourceId) -> Owner {
+        let (owners, index) = match resource {
+            ResourceId::Buffer(buffer) => (&self.owners.buffers, buffer.index()),
+            ResourceId::Texture(texture, _) => (&self.owners.textures, texture.index()),
+        };
+        owners.get(index as usize).copied().unwrap_or(Owner::Scene)
+    }
+
+    /// Forgets what was recorded and records on.
+    pub fn record(&mut self) {
+        self.device.record();
     }
 
     /// The target that frames are drawn into.
@@ -313,6 +393,12 @@ impl<'w> Session<'w> {
         })
     }
 
+    /// The linear colour behind everything.
+    #[must_use]
+    pub fn background(&self) -> Vec4 {
+        decode_srgb(self.scene.background)
+    }
+
     /// The pass that draws all trees as they are committed.
     fn pass(&self) -> RenderPass {
         let mut steps = Vec::new();
@@ -326,7 +412,7 @@ impl<'w> Session<'w> {
             label: "frame".to_owned(),
             target: self.target,
             load: Load::Clear {
-                color: decode_srgb(self.scene.background),
+                color: self.background(),
                 depth: 1.0,
             },
             steps,

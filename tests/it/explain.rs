@@ -106,7 +106,7 @@ fn a_run_runs_anew_from_its_folder_alone() {
         shrub("").into_bytes()
     );
     // The species changes, the run moves, and is run from elsewhere.
-    write(here, "kinds/shrub.toml", shrub("bare = 0.3\n"));
+    write(here, "kinds/shrub.toml", shrub("omit = [7]\n"));
     let there = tempfile::tempdir().expect("a temporary folder");
     let moved = there.path().join("kept");
     std::fs::create_dir_all(&moved).expect("a folder");
@@ -169,4 +169,204 @@ fn plant_files_take_along_what_lies_beside_them() {
         .collect();
     assert_eq!(names, ["tree/below/tree.gltf", "tree/far away/tree.bin"]);
     assert!(here.join("whole/plants/shrub.glb").is_file());
+}
+
+/// What `--json` tells.
+fn told(folder: &Path, arguments: &[&str], code: i32) -> serde_json::Value {
+    let text = printed(folder, &[&["explain", "--json"], arguments].concat(), code);
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn one_leaf_less_is_named() {
+    let here = folder();
+    let here = here.path();
+    printed(here, &["run", "scene.toml", "-o", "a"], 0);
+    write(here, "kinds/shrub.toml", shrub("omit = [312]\n"));
+    printed(here, &["run", "scene.toml", "-o", "b"], 0);
+    let report = told(here, &["a", "b"], 1);
+    assert_eq!(report["schema"], "spinney.explain/1");
+    assert_eq!(report["plant_files"][0]["keys"][0]["key"], "leaves.omit");
+    assert_eq!(report["asked_count"], 0);
+    let plants = report["plants"].as_array().expect("a list");
+    assert_eq!(plants.len(), 1, "both trees are of one plant");
+    let plant = &plants[0];
+    assert_eq!(plant["only_a_count"], 1);
+    assert_eq!(plant["only_a"][0]["leaf"], 312);
+    assert_eq!([&plant["only_b_count"], &plant["moved_count"]], [0, 0]);
+    assert_eq!(plant["renumbered"], 599 - 312);
+    assert_eq!(plant["parts"], serde_json::json!([]));
+    let branch = plant["only_a"][0]["branch"].as_u64().expect("it grew");
+    let summary = report["summary"].as_str().expect("a sentence");
+    let start = format!("leaf 312 of tree 0 (branch {branch}) stands in A alone; ");
+    assert!(summary.starts_with(&start), "{summary}");
+    assert!(
+        summary.contains("the runs part before the first frame"),
+        "{summary}"
+    );
+    // The leaf's four vertices are what one device has more.
+    let vertices = report["buffers"].as_array().expect("a list");
+    let vertices = vertices
+        .iter()
+        .find(|buffer| buffer["label"] == "leaf vertices");
+    let inserted = &vertices.expect("they differ")["inserted"];
+    assert_eq!([&inserted["start"], &inserted["end"]], [312 * 48, 313 * 48]);
+    assert!(
+        inserted["record"]
+            .as_str()
+            .expect("words")
+            .contains("leaf 312, corner 0")
+    );
+    let pixels = report["frames"][0]["pixels"].as_u64().expect("a count");
+    assert!((1..64 * 48).contains(&pixels), "{pixels}");
+    // The other way round it is B's.
+    let back = told(here, &["b", "a"], 1);
+    assert_eq!(back["plants"][0]["only_b"][0]["leaf"], 312);
+    let text = printed(here, &["explain", "a", "b"], 1);
+    assert!(text.contains("leaf 312 of tree 0"), "{text}");
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 80),
+        "{text}"
+    );
+}
+
+#[test]
+fn equal_runs_are_the_same_and_others_are_none() {
+    let here = folder();
+    let here = here.path();
+    printed(here, &["run", "scene.toml", "-o", "a"], 0);
+    printed(here, &["run", "scene.toml", "-o", "b", "--threads", "1"], 0);
+    let text = printed(here, &["explain", "a", "b"], 0);
+    assert!(text.contains("same"), "{text}");
+    assert_eq!(told(here, &["a", "b"], 0)["same"], true);
+    for arguments in [
+        &["explain", "a", "kinds"][..],
+        &["explain", "a"],
+        &["explain", "a", "--pixel", "64,0"],
+        &["explain", "a", "--pixel", "0,0", "--frame", "3"],
+        &["explain", "a", "b", "--pixel", "0,0"],
+    ] {
+        assert_eq!(printed(here, arguments, 2), "", "{arguments:?}");
+    }
+}
+
+#[test]
+fn two_modes_have_the_same_leaves_and_send_other_bytes() {
+    let here = folder();
+    let here = here.path();
+    printed(here, &["run", "scene.toml", "-o", "a"], 0);
+    write(
+        here,
+        "scene.toml",
+        SCENE.replace("\"slots\"", "\"cluster\""),
+    );
+    printed(here, &["run", "scene.toml", "-o", "b"], 0);
+    let report = told(here, &["a", "b"], 1);
+    for list in ["plants", "sequences", "frames", "plant_files"] {
+        assert_eq!(report[list], serde_json::json!([]), "{list}");
+    }
+    assert_eq!(report["asked"][0]["key"], "model.mode");
+    let summary = report["summary"].as_str().expect("a sentence");
+    for part in [
+        "A asks for model.mode",
+        "all leaves",
+        "all pictures are the same",
+    ] {
+        assert!(summary.contains(part), "{summary}");
+    }
+    let operation = &report["operation"];
+    assert!(
+        operation["a"]["sent"] != operation["b"]["sent"],
+        "{operation}"
+    );
+}
+
+#[test]
+fn a_pixel_is_what_the_run_showed_or_says_so() {
+    let here = folder();
+    let here = here.path();
+    write(
+        here,
+        "scene.toml",
+        SCENE.replace("frames", "samples = 4\nframes"),
+    );
+    printed(here, &["run", "scene.toml", "-o", "a"], 0);
+    let pixel = ["a", "--pixel", "31,25", "--frame", "1"];
+    let report = told(here, &pixel, 0);
+    assert_eq!([&report["agrees"], &report["frame"]["same"]], [true, true]);
+    let samples = report["samples"].as_array().expect("a list");
+    assert_eq!(samples.len(), 4);
+    let shows = samples.iter().find_map(|sample| sample["shows"].as_u64());
+    let shows = usize::try_from(shows.expect("the broom is there")).expect("small");
+    assert!(
+        ["leaf", "trunk"].contains(&report["fragments"][shows]["what"].as_str().expect("a word"))
+    );
+    let text = printed(here, &[&["explain"][..], &pixel].concat(), 0);
+    assert!(text.contains("rivals"), "{text}");
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 80),
+        "{text}"
+    );
+
+    let path = here.join("a/ledger.json");
+    let ledger = std::fs::read_to_string(&path).expect("readable");
+    let at = ledger.find("image_digest").expect("frames have digests") + 15;
+    let digit = if &ledger[at..=at] == "0" { "1" } else { "0" };
+    std::fs::write(&path, [&ledger[..at], digit, &ledger[at + 1..]].concat()).expect("writable");
+    let report = told(here, &["a", "--pixel", "31,25"], 1);
+    assert_eq!(report["frame"]["same"], false);
+}
+
+/// The microscope and the rasterizer are two ways to one picture: each pixel's least fragment by
+/// depth and key is what shows.
+#[test]
+fn probed_pixels_are_what_is_drawn() {
+    use spinney::raster::{Counters, Options, TileSize};
+    use spinney::run::{Session, SessionOptions, Silent, World};
+    use spinney::scene::SceneFile;
+
+    let here = folder();
+    for (mode, samples) in [("slots", 1), ("stamps", 4)] {
+        let scene = SCENE
+            .replace("\"slots\"", &format!("{mode:?}"))
+            .replace("[64, 48]", "[24, 18]")
+            .replace("frames", &format!("samples = {samples}\nframes"));
+        write(here.path(), "scene.toml", scene);
+        let file = SceneFile::read(&here.path().join("scene.toml")).expect("a sound scene");
+        let world = World::build(&file.scene, here.path(), &Silent).expect("it grows");
+        let raster = Options {
+            tile: TileSize::Side32,
+            counters: Counters::Visible,
+        };
+        let options = SessionOptions::of(&file.scene, raster).expect("known names");
+        let mut session = Session::new(&file.scene, &world, &options).expect("it fits");
+        for frame in 0..2 {
+            session.frame(frame).expect("our own device");
+        }
+        let target = session.device().inspect_target(session.target());
+        let target = target.expect("a session keeps its target");
+        let mut hidden = 0;
+        for (x, y) in (0..18).flat_map(|y| (0..24).map(move |x| (x, y))) {
+            let fragments = session.probe([x, y]).expect("our own pass");
+            let mut colours = Vec::new();
+            for sample in 0..samples {
+                let kept = fragments.iter().filter(|fragment| fragment.kept);
+                let here = kept.filter_map(|one| Some((one.depths[sample]?, one)));
+                hidden += here.clone().count().saturating_sub(1);
+                let least = here.min_by_key(|(depth, one)| (depth.to_bits(), one.key));
+                if sample == 0 {
+                    assert_eq!(target.key(x, y), least.map(|(_, one)| one.key), "{x},{y}");
+                    let depth = least.map_or(1.0, |(depth, _)| depth);
+                    assert_eq!(target.depth(x, y).to_bits(), depth.to_bits(), "{x},{y}");
+                }
+                colours.push(least.map_or(session.background(), |(_, one)| one.colour));
+            }
+            let colour = match *colours {
+                [a, b, c, d] => ((a + b) + (c + d)) * 0.25,
+                _ => colours[0],
+            };
+            assert_eq!(target.colour(x, y), colour, "{x},{y}");
+        }
+        assert!(hidden > 10, "something hides something: {hidden}");
+    }
 }
