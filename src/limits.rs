@@ -59,6 +59,20 @@ limits! {
     RUN_TEXT_BYTES: u64 = 536_870_912, "bytes";
     /// A line of `ops.jsonl`: some ten bytes a cluster that changes.
     OPS_LINE_BYTES: usize = 268_435_456, "bytes";
+    /// A line of a recorded trace of a level-of-detail structure.
+    TRACE_LINE_BYTES: usize = 33_554_432, "bytes";
+    /// Leaves at full detail of a recorded trace: its header names every collapse in a line.
+    TRACE_LEAVES: u32 = 524_288, "leaves";
+    /// Resources of a recorded trace.
+    TRACE_RESOURCES: usize = 256, "resources";
+    /// Resources of a recorded trace together: a line may tell them twice, in hexadecimal.
+    TRACE_RESOURCE_BYTES: u64 = 4_194_304, "bytes";
+    /// Entries of any list in a step of a recorded trace.
+    TRACE_ENTRIES: usize = 1_048_576, "entries";
+    /// States of a recorded trace that are remembered, to be compared when they come again.
+    TRACE_STATES: usize = 65_536, "states";
+    /// Steps of a recorded trace times leaves, old and new: what a check looks at, in minutes.
+    TRACE_WORK: u64 = 68_719_476_736, "leaves";
 
     /// A text in a scene: a name or a path.
     TEXT_CHARACTERS: usize = 400, "characters";

@@ -73,6 +73,10 @@ pub(super) enum Command {
     Diff(DiffOptions),
     /// Tell which leaf a pixel of a run shows and why, or where two runs part
     Explain(ExplainOptions),
+    /// Check a recorded trace of a level-of-detail structure against the laws
+    CheckTrace(CheckTraceOptions),
+    /// Run the shipped broken models; fails unless each is caught
+    Selftest,
     /// Explain the commands, the keys of scene or species files, or the limits
     Help(HelpOptions),
 }
@@ -251,6 +255,12 @@ pub(super) struct ExplainOptions {
     /// Frame of the pixel, default the run's first
     #[arg(long, value_name = "N")]
     pub(super) frame: Option<u32>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CheckTraceOptions {
+    /// Trace (JSON lines, `spinney.trace/1`), or - for standard input
+    pub(super) file: PathBuf,
 }
 
 #[derive(Debug, Args)]

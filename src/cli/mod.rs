@@ -9,6 +9,7 @@
 //! | 4 | cannot write |
 
 mod arguments;
+mod check_trace;
 mod diff;
 mod error;
 mod explain;
@@ -20,6 +21,7 @@ mod prepare;
 #[cfg_attr(target_family = "wasm", path = "progress_none.rs")]
 mod progress;
 mod run;
+mod selftest;
 mod storage;
 mod sweep;
 mod terminal;
@@ -61,6 +63,8 @@ enum Verdict {
 fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliError> {
     let shared = &arguments.shared;
     let done = match &arguments.command {
+        Command::CheckTrace(options) => return check_trace::check_trace(options, shared, terminal),
+        Command::Selftest => return selftest::selftest(shared, terminal),
         Command::Diff(options) => return diff::diff(options, shared, terminal),
         Command::Golden(options) => return golden::golden(options, shared, terminal),
         Command::Explain(options) => return explain::explain(options, shared, terminal),

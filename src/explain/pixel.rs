@@ -124,12 +124,12 @@ pub fn explain_pixel(
 ) -> Result<PixelReport, ExplainError> {
     let frames = run.frames();
     let wanted = frame.or(frames.first().copied()).unwrap_or(0);
-    let Some(place) = frames.iter().position(|&frame| frame == wanted) else {
-        return Err(ExplainError::Frame {
-            frame: wanted,
-            known: in_words(&frames),
-        });
+    let missing = || ExplainError::Frame {
+        frame: wanted,
+        known: in_words(&frames),
     };
+    let place = frames.iter().position(|&frame| frame == wanted);
+    let place = place.ok_or_else(missing)?;
     let size = [run.scene().size.width(), run.scene().size.height()];
     if pixel[0] >= size[0] || pixel[1] >= size[1] {
         return Err(ExplainError::Pixel { pixel, size });
@@ -142,7 +142,9 @@ pub fn explain_pixel(
         drawn = replay.draw_next()?;
         progress.step();
     }
-    let (frame, replayed) = drawn.expect("there is a line of states for every frame");
+    let Some((frame, replayed)) = drawn else {
+        return Err(missing());
+    };
     report(run, &world, replay.session(), &frame, replayed, pixel)
 }
 

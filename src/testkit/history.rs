@@ -24,7 +24,7 @@ use crate::simplify::{Clusters, Collapse, CollapseSequence, SequenceError};
 ///
 /// What is visible in a [`State`] is found here by replaying the collapses and nothing else, so that
 /// no structure is held against itself.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct History {
     sequence: CollapseSequence,
     clusters: Clusters,
@@ -206,6 +206,13 @@ impl fmt::Display for History {
             write!(out, " and {rest} more")?;
         }
         Ok(())
+    }
+}
+
+/// As it is displayed, for counter-examples.
+impl fmt::Debug for History {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "History({self})")
     }
 }
 

@@ -14,6 +14,12 @@
 //!   [`check_device_model`] takes it through states and checks what it holds, sends and draws.
 //! - The [`laws`] are functions of their own too, for harnesses that work otherwise.
 //!
+//! - With the feature `testkit`, `testkit::strategy` draws random histories, walks and foliage for
+//!   proptest, and shrinks what fails.
+//! - A program in any language can record a [`trace`] of what it does;
+//!   [`check_trace`](trace::check_trace) checks it.
+//! - [`selftest`] plants known faults and fails unless the laws find each.
+//!
 //! Our own models go through the same door ([`ModelStructure`], [`Stage`]).
 //!
 //! **Invariant.** Nothing here trusts what it tests: what is visible in a state is replayed from the
@@ -24,8 +30,14 @@ mod device;
 mod history;
 pub mod laws;
 mod operation;
+mod paper;
+mod selftest;
+mod simpler;
 mod stage;
+#[cfg(feature = "testkit")]
+pub mod strategy;
 mod structure;
+pub mod trace;
 mod violation;
 
 pub use crate::models::State;
@@ -36,6 +48,9 @@ pub use device::{
 };
 pub use history::{History, HistoryError};
 pub use operation::{Operation, Walk};
+pub use paper::{LeafCount, PaperFault, PaperLodf};
+pub use selftest::{Counterexample, MutantReport, SelftestReport, selftest};
+pub use simpler::{Simpler, TreeWalk};
 pub use stage::Stage;
 pub use structure::{ModelStructure, Structure, check_structure};
 pub use violation::{Law, Tally, Violation};

@@ -43,7 +43,7 @@ impl fmt::Display for Operation {
 }
 
 /// A history and a walk through its states, from full detail.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Walk {
     /// What the structure is built from.
     pub history: History,
@@ -79,6 +79,13 @@ impl fmt::Display for Walk {
             write!(out, " none")?;
         }
         Ok(())
+    }
+}
+
+/// As it is displayed, for counter-examples.
+impl fmt::Debug for Walk {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "Walk({self})")
     }
 }
 

@@ -82,6 +82,14 @@ impl Stage {
         })
     }
 
+    /// The same with another resident, made of this one.
+    pub(super) fn wrapped(self, wrap: impl FnOnce(Box<dyn Resident>) -> Box<dyn Resident>) -> Self {
+        Self {
+            resident: wrap(self.resident),
+            ..self
+        }
+    }
+
     fn draw(&mut self) -> Picture {
         let mut steps = Vec::new();
         self.resident.draw(&mut steps);

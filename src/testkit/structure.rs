@@ -66,7 +66,7 @@ pub trait Structure {
 }
 
 /// Takes a structure from one state to another, step by step where it has to. Returns whether it can.
-fn travel(structure: &mut impl Structure, from: &State, to: &State) -> bool {
+pub(super) fn travel(structure: &mut impl Structure, from: &State, to: &State) -> bool {
     match (from, to) {
         (_, State::Variable { counts }) => structure.set_clusters(counts),
         (_, State::Uniform { collapses }) if structure.go_to(*collapses) => true,

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use proptest::prelude::{ProptestConfig, any, prop_assert, prop_assert_eq, proptest};
+use proptest::prelude::{ProptestConfig, any, prop_assert, prop_assert_eq};
 use proptest::test_runner::TestCaseError;
 use spinney::gpu::{
     Command, Device, DeviceDescriptor, Ledger, Link, Load, RenderPass, Stream, TargetDescriptor,
@@ -136,7 +136,7 @@ fn check_gathered(ledger: &Ledger, sent: &[Sent]) -> Result<(), TestCaseError> {
 
 macro_rules! closed_forms {
     ($($name:ident: $kind:expr, $options:expr;)*) => {
-        proptest! {
+        crate::support::properties! {
             #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
             $(
                 #[test]
@@ -193,7 +193,7 @@ fn single_steps_cost_what_the_table_says() {
     assert!(slots.contains(&16) && slots.contains(&32), "{slots:?}");
 }
 
-proptest! {
+crate::support::properties! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
     #[test]

@@ -191,7 +191,7 @@ fn sample() -> Plant {
     Plant::new("sample", Some(skeleton), Some(trunk), Foliage { groups }).expect("a sound plant")
 }
 
-proptest! {
+crate::support::properties! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
@@ -221,7 +221,7 @@ proptest! {
     }
 }
 
-proptest! {
+crate::support::properties! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]

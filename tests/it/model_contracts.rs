@@ -3,17 +3,18 @@
 
 use std::sync::Arc;
 
-use proptest::prelude::{ProptestConfig, any, prop_assert_eq, proptest};
-use proptest::test_runner::TestCaseError;
+use proptest::prelude::{ProptestConfig, Strategy, any, proptest};
 use spinney::math::index_usize;
 use spinney::models::{Crown, Extraction, Gather, Kind, ModelOptions, State};
-use spinney::testkit::laws::{
-    birth_before_death, conservation, image_equality, partition, residency,
+use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
+use spinney::testkit::strategy::{self, WalkOptions};
+use spinney::testkit::{
+    DeviceModel as _, History, Law, ModelStructure, Tally, TreeWalk, Violation, check_end,
+    check_structure,
 };
-use spinney::testkit::{DeviceModel, History};
 
 use crate::laws::check_conservation;
-use crate::support::{OPTIONS, Stage, StageExt as _, random_crown, random_state};
+use crate::support::{Cases, OPTIONS, Stage, StageExt as _, random_crown};
 
 const SIDE: u32 = 48;
 
@@ -34,65 +35,82 @@ fn options(choice: u64) -> ModelOptions {
 }
 
 /// One walk: all laws at every step, images at the end and at one step between.
-fn walk(kind: Kind, seed: u64, crown: &Arc<Crown>, choices: &[u64]) -> Result<(), TestCaseError> {
-    let options = options(seed);
-    let start = random_state(crown, seed);
-    let mut walked = Stage::at(kind, options, crown, &start, 8);
+fn walk(kind: Kind, seed: u64, case: &TreeWalk, tally: &mut Tally) -> Result<(), Violation> {
+    let (crown, options) = (&case.crown(), options(seed));
+    let history = &case.walk.history;
+    let states = case.walk.states();
+    // The first state is the start.
+    let Some((start, states)) = states.split_first() else {
+        return Ok(());
+    };
+    let mut walked = Stage::at(kind, options, crown, start, 8);
     let model = kind.model(crown, options);
-    let history = History::of(crown.sequence());
     let looked_at = [
-        choices.len() - 1,
-        index_usize((seed >> 8) % choices.len() as u64),
+        states.len(),
+        1 + index_usize((seed >> 8) % states.len().max(1) as u64),
     ];
-    for (step, &choice) in choices.iter().enumerate() {
-        let state = random_state(crown, choice);
-        walked.commit(&state);
-        prop_assert_eq!(
-            walked.resident.state() == &state,
-            kind.has_levels() || walked.resident.state() == &state
-        );
-        let mut fresh = Stage::at(kind, options, crown, &state, 8);
-        residency(&mut walked, &mut fresh)?;
+    for (step, state) in (1..).zip(states) {
+        walked.commit(state);
+        let stands = walked.resident.state() == state || !kind.has_levels();
+        assert!(stands, "a resident says what it shows");
+        let mut fresh = Stage::at(kind, options, crown, state, 8);
+        tally.count(Law::Residency, residency(&mut walked, &mut fresh))?;
         if kind.has_levels() {
-            partition(&history, &state, &model.drawn(&state))?;
-            birth_before_death(&history, &state, &model.drawn(&state))?;
+            let drawn = model.drawn(state);
+            let law = birth_before_death(history, state, &drawn);
+            tally.count(Law::BirthBeforeDeath, law)?;
+            tally.count(Law::Partition, partition(history, state, &drawn))?;
         }
         if looked_at.contains(&step) {
             let shown = if kind.has_levels() {
-                &state
+                state
             } else {
                 &State::FINEST
             };
-            let mut walked = Stage::at(kind, options, crown, &start, SIDE);
-            choices[..=step]
-                .iter()
-                .for_each(|&c| walked.commit(&random_state(crown, c)));
-            conservation(&mut walked)?;
-            let mut fresh = Stage::at(kind, options, crown, &state, SIDE);
-            let mut reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, shown, SIDE);
-            image_equality(&mut walked, &mut fresh, reference.picture().as_ref())?;
+            let mut walked = Stage::at(kind, options, crown, start, SIDE);
+            states[..step].iter().for_each(|state| walked.commit(state));
+            let mut fresh = Stage::at(kind, options, crown, state, SIDE);
+            let reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, shown, SIDE).draw();
+            check_end(&mut walked, &mut fresh, Some(&reference), tally)?;
         }
     }
     Ok(())
 }
 
+fn cases() -> impl Strategy<Value = TreeWalk> {
+    strategy::tree_walk(WalkOptions {
+        leaves: 2..=19,
+        roots: 1..=4,
+        // The start, and up to 59 steps.
+        steps: 2..=60,
+    })
+}
+
 macro_rules! contracts {
-    ($($name:ident: $kind:expr;)*) => {
-        proptest! {
-            #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
-            $(
-                #[test]
-                fn $name(
-                    seed in any::<u64>(),
-                    leaves in 2_u32..20,
-                    roots in 1_u32..5,
-                    choices in proptest::collection::vec(any::<u64>(), 1..60),
-                ) {
-                    walk($kind, seed, &random_crown(seed, leaves, roots), &choices)?;
-                }
-            )*
+    ($($name:ident: $kind:expr;)*) => {$(
+        #[test]
+        fn $name() {
+            contract(concat!(module_path!(), "::", stringify!($name)), $kind);
         }
+    )*};
+}
+
+/// Two thousand walks of one kind.
+fn contract(name: &'static str, kind: Kind) {
+    let count = Cases::of(name);
+    let config = ProptestConfig {
+        cases: 2000,
+        test_name: Some(name),
+        source_file: Some(file!()),
+        ..ProptestConfig::default()
     };
+    proptest!(config, |(seed in any::<u64>(), case in cases())| {
+        count.one();
+        let mut tally = Tally::default();
+        let law = walk(kind, seed, &case, &mut tally);
+        count.checked(&tally);
+        law?;
+    });
 }
 
 contracts! {
@@ -103,6 +121,28 @@ contracts! {
     lodf_cluster: Kind::LodfCluster;
     lodf_slots: Kind::LodfSlots;
     lodf_stamps: Kind::LodfStamps;
+}
+
+/// What each model means to show, step by step.
+#[test]
+fn models_are_sound_structures() {
+    let count = Cases::of(concat!(module_path!(), "::models_are_sound_structures"));
+    let options = WalkOptions {
+        leaves: 1..=24,
+        roots: 1..=5,
+        steps: 1..=20,
+    };
+    proptest!(ProptestConfig::with_cases(500), |(case in strategy::tree_walk(options))| {
+        count.one();
+        let crown = case.crown();
+        for kind in Kind::SOUND.into_iter().filter(|kind| kind.has_levels()) {
+            let mut tally = Tally::default();
+            let build = |_: &History| ModelStructure::new(kind.model(&crown, OPTIONS));
+            let law = check_structure(&case.walk, build, &mut tally);
+            count.checked(&tally);
+            law?;
+        }
+    });
 }
 
 mod seeded {

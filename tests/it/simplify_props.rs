@@ -7,29 +7,14 @@ use spinney::simplify::{
     Clusters, CollapseSequence, LeafCollapseOptions, LeafDistance, collapse_leaves, is_folded,
     measure_leaves,
 };
+use spinney::testkit::laws::{birth_before_death, partition};
+use spinney::testkit::{History, State, strategy};
 
-/// Foliage of groups with flat leaves, each made of three vectors: base, one side, and what the
-/// other side leans to.
+use crate::support::properties;
+
+/// Foliage of one to three groups, some of them empty.
 fn foliage() -> impl Strategy<Value = Foliage> {
-    // A coarse lattice, so that ties, leaves without area and equal leaves are common.
-    let vector = prop::array::uniform3(-4_i8..=4);
-    let leaf = prop::array::uniform3(vector);
-    let group = prop::collection::vec(leaf, 0..=14);
-    prop::collection::vec(group, 1..=3).prop_map(|groups| {
-        let groups = groups.into_iter().map(|leaves| {
-            let positions = leaves.into_iter().flat_map(|vectors| {
-                let [base, side, lean] = vectors.map(|vector| {
-                    let [x, y, z] = vector.map(f32::from);
-                    Vec3::new(x, y, z)
-                });
-                let up = 0.5 * side.cross(lean);
-                [base, base + side, base + side + up, base + up]
-            });
-            leaf_group(positions.collect())
-        });
-        let groups = groups.collect();
-        Foliage { groups }
-    })
+    strategy::foliage(1..=3, 0..=14)
 }
 
 fn leaf_group(positions: Vec<Vec3>) -> LeafGroup {
@@ -77,7 +62,7 @@ fn groups_of(foliage: &Foliage, sequence: &CollapseSequence) -> Vec<usize> {
     groups
 }
 
-proptest! {
+properties! {
     #[test]
     fn collapses_keep_groups_roles_and_counts(foliage in foliage(), options in options()) {
         let sequence = collapse_leaves(&foliage, &options);
@@ -137,17 +122,17 @@ proptest! {
                 prop_assert_eq!(old, [pair[0].leaf, pair[1].leaf]);
             }
         }
-        for ops in 0..=sequence.collapse_count() {
-            let counts = clusters.uniform(ops);
-            let mut shown: Vec<u32> = Vec::new();
+        let history = History::of(&sequence);
+        for collapses in 0..=sequence.collapse_count() {
+            let state = State::Uniform { collapses };
+            let shown = state.visible(&clusters);
+            birth_before_death(&history, &state, &shown)?;
+            partition(&history, &state, &shown)?;
+            let counts = clusters.uniform(collapses);
             for (cluster, &count) in clusters.clusters.iter().zip(&counts) {
-                let before = shown.len();
-                shown.extend(cluster.visible(count));
                 let active = cluster.original_count() - count;
-                prop_assert_eq!(shown.len() - before, active as usize);
+                prop_assert_eq!(cluster.visible(count).count(), active as usize);
             }
-            shown.sort_unstable();
-            prop_assert_eq!(shown, sequence.visible_after(ops));
         }
     }
 }

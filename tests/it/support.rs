@@ -1,5 +1,8 @@
-//! Small random crowns, devices and walks for the contracts.
+//! Small random crowns, devices and walks for the contracts; property tests that tell how many
+//! cases they tried.
 
+use std::cell::Cell;
+use std::io::Write as _;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -12,7 +15,80 @@ use spinney::raster::Image;
 use spinney::run::{Silent, World};
 use spinney::scene::{Scene, SceneFile};
 use spinney::simplify::{Collapse, CollapseSequence};
+use spinney::testkit::Tally;
 pub(crate) use spinney::testkit::{DeviceModel, Stage};
+
+/// Counts what a property test tried, and says so at its end on standard error, past the test
+/// harness, which would swallow it.
+#[derive(Debug)]
+pub(crate) struct Cases {
+    name: &'static str,
+    cases: Cell<u64>,
+    tally: Cell<Tally>,
+}
+
+impl Cases {
+    pub(crate) fn of(name: &'static str) -> Self {
+        Self {
+            name,
+            cases: Cell::default(),
+            tally: Cell::default(),
+        }
+    }
+
+    pub(crate) fn one(&self) {
+        self.cases.set(self.cases.get() + 1);
+    }
+
+    /// Adds checks of laws.
+    pub(crate) fn checked(&self, tally: &Tally) {
+        let mut sum = self.tally.get();
+        sum.add(tally);
+        self.tally.set(sum);
+    }
+}
+
+impl Drop for Cases {
+    fn drop(&mut self) {
+        let (name, cases, tally) = (self.name, self.cases.get(), self.tally.get());
+        let laws = if tally == Tally::default() {
+            String::new()
+        } else {
+            format!("; checks: {tally}")
+        };
+        // Nobody is left to be told if this fails.
+        _ = writeln!(std::io::stderr(), "{name}: {cases} cases{laws}");
+    }
+}
+
+/// `proptest!`, each test of which says at its end how many cases it tried.
+macro_rules! properties {
+    (
+        #![proptest_config($config:expr)]
+        $($(#[$meta:meta])* fn $name:ident($($case:pat in $strategy:expr),+ $(,)?) $body:block)*
+    ) => {$(
+        $(#[$meta])*
+        fn $name() {
+            let name = concat!(module_path!(), "::", stringify!($name));
+            let cases = $crate::support::Cases::of(name);
+            let config = proptest::test_runner::Config {
+                test_name: Some(name),
+                ..$config
+            };
+            proptest::proptest!(config, |($($case in $strategy),+)| {
+                cases.one();
+                $body
+            });
+        }
+    )*};
+    ($($(#[$meta:meta])* fn $name:ident($($case:tt)+) $body:block)*) => {
+        $crate::support::properties! {
+            #![proptest_config(proptest::test_runner::Config::default())]
+            $($(#[$meta])* fn $name($($case)+) $body)*
+        }
+    };
+}
+pub(crate) use properties;
 
 /// A crown of `leaves` random quads in two groups with a random history of collapses that leaves
 /// about `roots` of them.

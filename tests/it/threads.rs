@@ -95,7 +95,7 @@ fn assert_same_folders(arguments: &[&str], kinds: &[&str], named: &[&str]) {
             let mut found: Vec<_> = files.keys().filter_map(kind).collect();
             found.sort_unstable();
             found.dedup();
-            assert_eq!(found, kinds);
+            assert_eq!(found, kinds, "kinds of files");
             for file in named {
                 assert!(files.contains_key(*file), "{file} is missing");
             }

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use proptest::prelude::{ProptestConfig, any, prop_assert, prop_assert_eq, proptest};
+use proptest::prelude::{ProptestConfig, any, prop_assert, prop_assert_eq};
 use spinney::math::{Vec3, index_u32};
 use spinney::models::{Criterion, Crown, Extent, Kind, State, select};
-use spinney::testkit::laws::{birth_before_death, partition, residency};
-use spinney::testkit::{DeviceModel as _, History, Tally, check_end};
+use spinney::testkit::laws::{Asked, birth_before_death, detail_by_distance, partition, residency};
+use spinney::testkit::{DeviceModel as _, History, Tally, check_end, strategy};
 
-use crate::support::{OPTIONS, Stage, StageExt as _, birches, descriptor, random_state};
+use crate::support::{
+    OPTIONS, Stage, StageExt as _, birches, descriptor, properties, random_state,
+};
 
 fn crown() -> &'static Arc<Crown> {
     &birches().crowns[0]
@@ -157,7 +159,7 @@ fn leaves(crown: &Crown, state: &State) -> Vec<u32> {
         .collect()
 }
 
-proptest! {
+properties! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
     /// What is farther from the eye never shows more leaves.
@@ -217,6 +219,49 @@ proptest! {
             let distance = eye.distance(*center);
             prop_assert!(distance > nearest || count == 0);
             prop_assert!(distance < farthest || count == most);
+        }
+    }
+}
+
+properties! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    /// The number of leaves keeps the law of distance along any way, over the crown and by cluster.
+    #[test]
+    fn detail_keeps_the_law_of_distance(
+        path in strategy::view_path(80.0, 1..=12),
+        nearest in 0_u8..20,
+        width in 1_u8..60,
+    ) {
+        let crown = crown();
+        let nearest = f32::from(nearest);
+        let farthest = nearest + f32::from(width);
+        let asked = |most, least| Asked {
+            nearest: f64::from(nearest),
+            farthest: f64::from(farthest),
+            most,
+            least,
+        };
+        let sequence = crown.sequence();
+        let whole = path.iter().map(|&eye| {
+            let state = select(crown, criterion(nearest, farthest, Extent::Uniform), eye);
+            let distance = f64::from(eye.distance(crown.center()));
+            (distance, state.leaf_count(crown.clusters()))
+        });
+        let whole: Vec<(f64, u32)> = whole.collect();
+        detail_by_distance(&asked(sequence.original_count(), sequence.root_count()), &whole)?;
+        let shown: Vec<Vec<u32>> = path
+            .iter()
+            .map(|&eye| select(crown, criterion(nearest, farthest, Extent::Variable), eye))
+            .map(|state| leaves(crown, &state))
+            .collect();
+        let clusters = crown.clusters().clusters.iter().zip(crown.cluster_centers());
+        for (number, (cluster, center)) in clusters.enumerate() {
+            let places = path.iter().zip(&shown);
+            let places: Vec<(f64, u32)> = places
+                .map(|(eye, shown)| (f64::from(eye.distance(*center)), shown[number]))
+                .collect();
+            detail_by_distance(&asked(cluster.original_count(), 1), &places)?;
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Laws of what lies on a device, what was sent there, and what is drawn from it.
 
+use std::ops::Range;
+
 use super::super::device::{Change, Counted, DeviceModel, Picture, Reads, Residency, Resource};
 use super::super::{Law, Violation};
 use crate::math::index_usize;
@@ -30,24 +32,7 @@ pub fn residency(
             found.len(),
         ));
     }
-    for (resource, range) in reads.ranges {
-        let (Some(wanted), Some(found)) = (wanted.get(resource), found.get(resource)) else {
-            continue;
-        };
-        let place = format!("in {:?}", wanted.name);
-        if wanted.bytes.len() != found.bytes.len() {
-            let what = "size in bytes";
-            let (wanted, found) = (wanted.bytes.len(), found.bytes.len());
-            return Err(Violation::new(law, place, what, wanted, found));
-        }
-        let range = range.start.min(wanted.bytes.len())..range.end.min(wanted.bytes.len());
-        let (wanted, found) = (&wanted.bytes[range.clone()], &found.bytes[range.clone()]);
-        if let Some(at) = first_difference(wanted, found) {
-            let what = format!("bytes from {} on, which a draw reads", range.start + at);
-            let [wanted, found] = [wanted, found].map(|bytes| hex(&bytes[at..]));
-            return Err(Violation::new(law, place, what, wanted, found));
-        }
-    }
+    residency_of(&reads.ranges, &wanted, &found)?;
     if !reads.fetched.is_empty() {
         let fetched = walked.reads().fetched;
         let place = "in host memory";
@@ -64,6 +49,60 @@ pub fn residency(
         }
     }
     Ok(())
+}
+
+/// [Residency](residency()) of parts that are at hand: the ranges that a draw may read, what a fresh
+/// upload holds, and what is held.
+///
+/// # Errors
+///
+/// The first byte that differs.
+pub fn residency_of(
+    ranges: &[(usize, Range<usize>)],
+    fresh: &[Resource<'_>],
+    walked: &[Resource<'_>],
+) -> Result<(), Violation> {
+    let law = Law::Residency;
+    for (resource, range) in ranges {
+        let (Some(wanted), Some(found)) = (fresh.get(*resource), walked.get(*resource)) else {
+            continue;
+        };
+        if wanted.bytes.len() != found.bytes.len() {
+            let place = format!("in {:?}", wanted.name);
+            let (wanted, found) = (wanted.bytes.len(), found.bytes.len());
+            return Err(Violation::new(law, place, "size in bytes", wanted, found));
+        }
+        let range = range.start.min(wanted.bytes.len())..range.end.min(wanted.bytes.len());
+        let [anew, held] =
+            [wanted, found].map(|resource| resource.bytes.get(range.clone()).unwrap_or(&[]));
+        same_bytes(
+            law,
+            wanted.name,
+            "which a draw reads",
+            range.start,
+            anew,
+            held,
+        )?;
+    }
+    Ok(())
+}
+
+/// Whether bytes from `from` on in the resource `name` are the same.
+pub(in super::super) fn same_bytes(
+    law: Law,
+    name: &str,
+    which: &str,
+    from: usize,
+    wanted: &[u8],
+    found: &[u8],
+) -> Result<(), Violation> {
+    let Some(at) = first_difference(wanted, found) else {
+        return Ok(());
+    };
+    let place = format!("in {name:?}");
+    let what = format!("bytes from {} on, {which}", from + at);
+    let [wanted, found] = [wanted, found].map(|bytes| hex(&bytes[at..]));
+    Err(Violation::new(law, place, what, wanted, found))
 }
 
 fn first_difference(wanted: &[u8], found: &[u8]) -> Option<usize> {
@@ -172,12 +211,8 @@ pub fn conservation_of(
         }
     }
     for (held, replayed) in resources.iter().zip(&memory) {
-        let on_device = held.residency == Residency::Device;
-        if let Some(at) = first_difference(replayed, held.bytes).filter(|_| on_device) {
-            let place = format!("in {:?}", held.name);
-            let what = format!("bytes from {at} on, replayed and held");
-            let [wanted, found] = [&replayed[at..], &held.bytes[at..]].map(hex);
-            return Err(Violation::new(law, place, what, wanted, found));
+        if held.residency == Residency::Device {
+            same_bytes(law, held.name, "replayed and held", 0, replayed, held.bytes)?;
         }
     }
     let Some(counted) = counted else {

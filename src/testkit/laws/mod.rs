@@ -18,8 +18,10 @@ mod memory;
 mod ways;
 
 pub use cut::{birth_before_death, partition};
+pub(super) use memory::same_bytes;
 pub use memory::{
-    conservation, conservation_of, image_equality, poison_dead_bytes, residency, same_picture,
+    conservation, conservation_of, image_equality, poison_dead_bytes, residency, residency_of,
+    same_picture,
 };
 pub use ways::{
     Asked, detail_by_distance, history_independence, monotone_detail, split_undoes_collapse,

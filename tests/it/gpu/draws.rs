@@ -19,7 +19,7 @@ fn topologies_make_primitives_of_their_corners() {
     }
 }
 
-proptest! {
+crate::support::properties! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
     /// However quads are cut into indirect draws, and where empty ones stand between them.

@@ -8,7 +8,7 @@ mod ranges;
 
 use std::sync::Arc;
 
-use proptest::prelude::{ProptestConfig, any, prop_assert_eq, proptest};
+use proptest::prelude::{ProptestConfig, any, prop_assert_eq};
 use spinney::gpu::{
     Bindings, Blend, BufferDescriptor, BufferId, Cause, Command, ComputePass, Corners, Device,
     DeviceDescriptor, Draw, DrawFromCounter, DrawIndirect, Fragment, Geometry, GpuError,

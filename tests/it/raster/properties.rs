@@ -52,7 +52,7 @@ fn pixels(place: [i16; 2]) -> [f32; 2] {
     place.map(|subpixels| f32::from(subpixels) / 256.0)
 }
 
-proptest! {
+crate::support::properties! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
@@ -125,7 +125,7 @@ proptest! {
     }
 }
 
-proptest! {
+crate::support::properties! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// Small triangles are decided in lanes, large ones pixel by pixel: a triangle in the middle of a
