@@ -124,12 +124,12 @@ pub fn explain_pixel(
 ) -> Result<PixelReport, ExplainError> {
     let frames = run.frames();
     let wanted = frame.or(frames.first().copied()).unwrap_or(0);
-    let missing = || ExplainError::Frame {
+    let unknown = || ExplainError::Frame {
         frame: wanted,
         known: in_words(&frames),
     };
     let place = frames.iter().position(|&frame| frame == wanted);
-    let place = place.ok_or_else(missing)?;
+    let place = place.ok_or_else(unknown)?;
     let size = [run.scene().size.width(), run.scene().size.height()];
     if pixel[0] >= size[0] || pixel[1] >= size[1] {
         return Err(ExplainError::Pixel { pixel, size });
@@ -143,7 +143,7 @@ pub fn explain_pixel(
         progress.step();
     }
     let Some((frame, replayed)) = drawn else {
-        return Err(missing());
+        return Err(unknown());
     };
     report(run, &world, replay.session(), &frame, replayed, pixel)
 }

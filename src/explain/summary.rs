@@ -93,6 +93,7 @@ fn asked_cause(asked: &AskedDifference, count: u64) -> String {
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "nothing".to_owned());
     let more = match count {
         0 | 1 => String::new(),
+        2 => " (another key differs)".to_owned(),
         more => format!(" ({} more keys differ)", more - 1),
     };
     let (a, b) = (value(&asked.a), value(&asked.b));

@@ -1,9 +1,8 @@
 //! What there is to tell of a triangle of a trunk: which branch's tube it is part of.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
+use crate::math::index_u32;
 use crate::models::{Crown, Placement};
 
 /// A triangle of a trunk.
@@ -60,51 +59,48 @@ pub(super) fn trunk_story(
 
 /// Where on the skeleton a triangle is.
 ///
-/// Tubes follow one another in the order of branches, share no vertices, and each ends with one at
-/// the branch's last node: between these ends lie a branch's rings, node by node.
+/// Tubes follow one another in the order of branches and share no vertices. Each begins with the ring
+/// around its branch's first node, where the texture begins, and ends with one vertex at the last
+/// node; between lie the rings, node by node. Branches that are too thin have no tube.
 fn branch_at(crown: &Crown, corners: [u32; 3]) -> Option<BranchStory> {
     let (skeleton, mesh) = (crown.plant().skeleton()?, crown.plant().trunk()?);
-    let bits = |point: [f32; 3]| point.map(f32::to_bits);
-    let mut places: BTreeMap<[u32; 3], Vec<u32>> = BTreeMap::new();
-    for (vertex, position) in (0..).zip(&mesh.positions) {
-        let at = places.entry(bits(position.to_array())).or_default();
-        at.push(vertex);
-    }
-    let lowest = corners.into_iter().min()?;
-    let mut first = 0;
-    for (number, branch) in (0..).zip(&skeleton.branches) {
+    let lowest = corners.into_iter().min()? as usize;
+    let begins = |vertex: &usize| mesh.texture_coordinates[*vertex].to_array() == [1.0, 0.0];
+    let mut starts = (0..mesh.positions.len()).filter(begins).peekable();
+    let mut branches = (0..).zip(&skeleton.branches);
+    while let Some(first) = starts.next() {
+        let end = starts.peek().copied().unwrap_or(mesh.positions.len());
+        let tip = mesh.positions.get(end.checked_sub(1)?)?;
+        // Branches before the one that ends there have no tube.
+        let (number, branch) = branches.find(|(_, branch)| {
+            let nodes = skeleton.nodes_of(branch);
+            nodes.len() > 1 && nodes.last().is_some_and(|last| last.position == *tip)
+        })?;
+        if lowest >= end {
+            continue;
+        }
         let nodes = skeleton.nodes_of(branch);
-        let Some(tip) = nodes.last().filter(|_| nodes.len() > 1) else {
-            continue;
-        };
-        let ends = places.get(&bits(tip.position.to_array()));
-        let Some(&end) = ends.and_then(|ends| ends.iter().find(|&&end| end >= first)) else {
-            // No tube: it would be thinner than any.
-            continue;
-        };
-        let rings = nodes.len() - usize::from(tip.radius <= 0.0);
-        let edges = (end - first) as usize / rings;
-        if edges * rings != (end - first) as usize || edges == 0 {
+        let last = nodes.last()?;
+        let rings = nodes.len() - usize::from(last.radius <= 0.0);
+        let edges = (end - 1 - first) / rings;
+        if edges == 0 || edges * rings != end - 1 - first {
             // Not a tube of ours after all.
             return None;
         }
-        if lowest <= end {
-            let node = (lowest - first) as usize / edges;
-            let bearer = branch.bearer.and_then(|node| {
-                let mut branches = (0..).zip(&skeleton.branches);
-                branches.find(|(_, other)| {
-                    (other.first_node..other.first_node + other.node_count).contains(&node)
-                })
-            });
-            return Some(BranchStory {
-                branch: number,
-                level: branch.level,
-                node: crate::math::index_u32(node.min(nodes.len() - 1)),
-                nodes: branch.node_count,
-                bearer: bearer.map(|(number, _)| number),
-            });
-        }
-        first = end + 1;
+        let node = lowest.checked_sub(first)? / edges;
+        let bearer = branch.bearer.and_then(|node| {
+            let mut branches = (0..).zip(&skeleton.branches);
+            branches.find(|(_, other)| {
+                (other.first_node..other.first_node + other.node_count).contains(&node)
+            })
+        });
+        return Some(BranchStory {
+            branch: number,
+            level: branch.level,
+            node: index_u32(node.min(nodes.len() - 1)),
+            nodes: branch.node_count,
+            bearer: bearer.map(|(number, _)| number),
+        });
     }
     None
 }

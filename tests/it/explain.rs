@@ -370,3 +370,52 @@ fn probed_pixels_are_what_is_drawn() {
         assert!(hidden > 10, "something hides something: {hidden}");
     }
 }
+
+/// A triangle of a trunk begins at the ring around the node that is told.
+#[test]
+fn trunk_triangles_know_their_branch_and_node() {
+    use spinney::explain::{RecordedRun, Replay, explain_pixel};
+    use spinney::run::Silent;
+
+    let here = folder();
+    printed(here.path(), &["run", "scene.toml", "-o", "a"], 0);
+    let run = RecordedRun::read(&here.path().join("a")).expect("a run");
+    let world = run.world(&Silent).expect("its own copies");
+    let mut replay = Replay::new(&run, &world).expect("it fits");
+    replay.draw_next().expect("its own states");
+    let session = replay.session();
+    let target = session.device().inspect_target(session.target());
+    let target = target.expect("a session keeps its target");
+    let pixels = (0..48).flat_map(|y| (0..64).map(move |x| [x, y]));
+    let wood: Vec<[u32; 2]> = pixels
+        .filter(|&[x, y]| target.key(x, y).is_some_and(|key| key.group == 0))
+        .collect();
+    assert!(wood.len() > 10, "{wood:?}");
+    for pixel in [wood[0], wood[wood.len() / 2], wood[wood.len() - 1]] {
+        let report = explain_pixel(&run, None, pixel, &Silent).expect("a pixel of it");
+        let shown = report.samples[0].shows.expect("the trunk");
+        let place = &report.fragments[usize::try_from(shown).expect("small")];
+        let trunk = place.trunk.as_ref().expect("a triangle of it");
+        let branch = trunk.branch.as_ref().expect("it grew");
+        let crown = &world.crowns[world.trees[place.tree as usize].crown];
+        let skeleton = crown.plant().skeleton().expect("it grew");
+        let found = &skeleton.branches[branch.branch as usize];
+        assert_eq!(
+            (found.level, found.node_count),
+            (branch.level, branch.nodes)
+        );
+        let nodes = skeleton.nodes_of(found);
+        let node = nodes[branch.node as usize];
+        let lowest = (0..3)
+            .min_by_key(|&corner| trunk.vertices[corner])
+            .expect("three");
+        let corner = spinney::math::Vec3::from_array(trunk.plant[lowest]);
+        // On the ring, but for the bulges of trunks with lobes.
+        let away = corner.distance(node.position);
+        let ring = 0.5 * node.radius..=1.5 * node.radius;
+        assert!(
+            ring.contains(&away),
+            "{pixel:?}: {away} from a node of {ring:?}"
+        );
+    }
+}

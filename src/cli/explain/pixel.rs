@@ -45,9 +45,12 @@ pub(super) fn text(report: &PixelReport, width: usize) -> String {
             told.push(shows);
         }
     }
+    let mut told_trees = Vec::new();
     for place in told.iter().filter_map(|&number| fragment(report, number)) {
         facts.blank();
-        if let Some(tree) = report.trees.iter().find(|tree| tree.tree == place.tree) {
+        let tree = report.trees.iter().find(|tree| tree.tree == place.tree);
+        if let Some(tree) = tree.filter(|tree| !told_trees.contains(&tree.tree)) {
+            told_trees.push(tree.tree);
             tell_tree(tree, &mut facts);
         }
         if let Some(leaf) = &place.leaf {
@@ -233,7 +236,7 @@ fn fate(leaf: u32, consumed_by: Option<&CollapseStory>) -> String {
 
 fn tell_trunk(trunk: &TrunkStory, facts: &mut Facts) {
     let place = match &trunk.branch {
-        None => "of a trunk without a skeleton".to_owned(),
+        None => "of a trunk whose branches are not known".to_owned(),
         Some(branch) => {
             let bearer = branch.bearer.map_or(String::new(), |bearer| {
                 format!(", borne by branch {bearer}")
