@@ -1,7 +1,7 @@
 //! What a check found, as a folder with one page for all.
 
 use super::change::{Change, shown};
-use super::outcome::{Case, CaseOutcome, Evidence, Finding, FindingKind, Outcome, SceneOutcome};
+use super::outcome::{Case, CaseOutcome, Finding, FindingKind, Outcome, SceneOutcome};
 use crate::report::{Cell, Column, OutputFolder, Page, PageImage, ReportError, Section, Table};
 
 /// The most rows of the page's tables together; what is more is counted.
@@ -23,8 +23,8 @@ impl Outcome {
         folder.write("report.html", self.page().to_html()?.as_bytes())
     }
 
-    /// One page for all that was found: a table of scenes, then what is wrong scene by scene, with as
-    /// many pictures as a page can hold.
+    /// One page for all that was found: a table of scenes, as many pictures as a page can hold, then
+    /// what is wrong scene by scene.
     #[must_use]
     pub fn page(&self) -> Page {
         let counts = self.counts();
@@ -38,25 +38,14 @@ impl Outcome {
             ),
         };
         let mut sections = vec![Section::Text(format!("{}.", self.summary()))];
-        let mut room = Room {
-            rows: MAX_ROWS,
-            pictures: Page::MAX_IMAGES,
-        };
+        let mut room = Room { rows: MAX_ROWS };
         if !self.is_same() {
             sections.push(self.overview(&mut room));
         }
         sections.extend(self.tolerated_table(&mut room));
+        sections.extend(self.pictures());
         for scene in self.scenes.iter().filter(|scene| !scene.is_same()) {
             sections.extend(scene_sections(scene, &mut room));
-        }
-        let pictures = self
-            .findings()
-            .filter(|finding| finding.picture().is_some());
-        let left = pictures.count().saturating_sub(Page::MAX_IMAGES);
-        if left > 0 {
-            sections.push(Section::Text(format!(
-                "{left} more pictures lie beside this page, under the names of their references."
-            )));
         }
         Page { title, sections }
     }
@@ -82,6 +71,35 @@ impl Outcome {
                 rows,
             },
         }
+    }
+
+    /// The pictures that differ.
+    fn pictures(&self) -> Vec<Section> {
+        let cases = self.scenes.iter().flat_map(|scene| {
+            let name = scene.name.as_str();
+            scene.cases.iter().map(move |case| (name, case))
+        });
+        let mut images: Vec<PageImage> = cases
+            .flat_map(|(name, case)| {
+                let findings = case.findings.iter();
+                findings.filter_map(move |finding| page_image(name, case, finding))
+            })
+            .collect();
+        if images.is_empty() {
+            return Vec::new();
+        }
+        let left = images.len().saturating_sub(Page::MAX_IMAGES);
+        images.truncate(Page::MAX_IMAGES);
+        let mut sections = vec![
+            Section::Heading("Expected | differing | actual".to_owned()),
+            Section::Large(images),
+        ];
+        if left > 0 {
+            sections.push(Section::Text(format!(
+                "{left} more pictures lie beside this page, under the names of their references."
+            )));
+        }
+        sections
     }
 
     /// What passes by a tolerance, with the reason for it.
@@ -117,7 +135,6 @@ impl Outcome {
 /// What still fits on a page.
 struct Room {
     rows: usize,
-    pictures: usize,
 }
 
 impl Room {
@@ -150,7 +167,7 @@ fn case_words(case: &CaseOutcome) -> Option<String> {
     }
 }
 
-/// Heading, words, pictures and ledgers of a scene; nothing where a page has no more room.
+/// Heading, words and ledgers of a scene; nothing where a page has no more room.
 fn scene_sections(scene: &SceneOutcome, room: &mut Room) -> Vec<Section> {
     if room.rows == 0 {
         return Vec::new();
@@ -160,45 +177,36 @@ fn scene_sections(scene: &SceneOutcome, room: &mut Room) -> Vec<Section> {
         Section::Text(format!("{}:{}", scene.file.display(), scene.line)),
     ];
     for case in &scene.cases {
-        let name = case.case.to_string();
-        let mut pictures = Vec::new();
-        let mut others = Vec::new();
         for finding in &case.findings {
-            match (&finding.kind, finding.picture()) {
-                (FindingKind::Ledger(changes), _) if !changes.is_empty() => {
-                    others.push(ledger_table(&name, changes, room));
-                }
-                (_, Some(evidence)) if room.pictures > 0 => {
-                    room.pictures -= 1;
-                    pictures.push(page_image(&name, finding, evidence));
+            match &finding.kind {
+                FindingKind::Ledger(changes) if !changes.is_empty() => {
+                    sections.push(ledger_table(&case.case.to_string(), changes, room));
                 }
                 _ => {
                     room.rows = room.rows.saturating_sub(1);
                     let mut words = format!("{}: {}", finding.what(), finding.words());
                     if matches!(case.case, Case::Frame(_)) {
-                        words = format!("{name}: {words}");
+                        words = format!("{}: {words}", case.case);
                     }
-                    others.push(Section::Text(words));
+                    sections.push(Section::Text(words));
                 }
             }
         }
-        if !pictures.is_empty() {
-            sections.push(Section::Large(pictures));
-        }
-        sections.extend(others);
     }
     sections
 }
 
-fn page_image(case: &str, finding: &Finding, evidence: &Evidence) -> PageImage {
-    let shows = match finding.kind {
-        FindingKind::Picture(_) | FindingKind::Size { .. } => "expected | differing | actual",
-        _ => "actual",
+/// What a finding about a picture shows, with its scene and frame.
+fn page_image(scene: &str, case: &CaseOutcome, finding: &Finding) -> Option<PageImage> {
+    let evidence = finding.picture()?;
+    let alone = match finding.kind {
+        FindingKind::Picture(_) | FindingKind::Size { .. } => "",
+        _ => " (this is what it shows)",
     };
-    PageImage {
-        caption: format!("{case}: {shows}. Picture: {}", finding.words()),
+    Some(PageImage {
+        caption: format!("{scene}, {}: {}{alone}", case.case, finding.words()),
         png: evidence.bytes.clone(),
-    }
+    })
 }
 
 fn ledger_table(case: &str, changes: &[Change], room: &mut Room) -> Section {

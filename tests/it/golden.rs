@@ -203,7 +203,7 @@ fn one_leaf_less_is_told_shown_and_blessed() {
     assert_eq!(page.matches("<img ").count(), 2);
     for part in [
         "Goldens: 1 of 1 scenes is not the same",
-        "expected | differing | actual",
+        "Expected | differing | actual",
         "<td>leaves</td>",
     ] {
         assert!(page.contains(part), "{part}");
