@@ -18,9 +18,10 @@ pub(super) fn check_trace(
     shared: &Shared,
     terminal: &Terminal,
 ) -> Result<Verdict, CliError> {
-    let file = options.file.display().to_string();
+    let mut file = options.file.display().to_string();
     let report = if file == "-" {
-        trace::check_trace("standard input", stdin().lock())?
+        "standard input".clone_into(&mut file);
+        trace::check_trace(&file, stdin().lock())?
     } else {
         let opened = File::open(&options.file).map_err(|error| DocumentError {
             file: file.clone(),

@@ -76,8 +76,9 @@ macro_rules! properties {
                 ..$config
             };
             proptest::proptest!(config, |($($case in $strategy),+)| {
-                cases.one();
                 $body
+                // Here come neither cases that fail nor those that an assumption refused.
+                cases.one();
             });
         }
     )*};
