@@ -349,7 +349,7 @@ fn any_species_in_range_grows_soundly_or_is_refused() {
 
 #[test]
 fn omitted_leaves_are_gone_and_the_others_stay() {
-    let second = "color = \"#ffffff\"\n[[foliage]]\nsilhouette = \"oval\"\n";
+    let second = "color = \"#ffffff\"\n[[foliage]]\nsilhouette = \"elliptic\"\n";
     let tables = |omit: &str| format!("{second}[leaves]\nomit = [{omit}]\n");
     let grown = |omit: &str| grow(&small("leaf_count = 60", &tables(omit)), 3);
     let leaves = |plant: &Plant| -> Vec<_> {
