@@ -17,6 +17,32 @@ pub enum Operation {
 }
 
 impl Operation {
+    /// Every step that there is in a history: single ones, levels, and clusters to any numbers, of
+    /// which there may be many.
+    #[must_use]
+    pub fn every(history: &History) -> Vec<Self> {
+        let mut steps = vec![Self::Collapse, Self::Split];
+        let levels = (0..=history.collapse_count()).map(|collapses| State::Uniform { collapses });
+        steps.extend(levels.map(Self::To));
+        let most = history.most_counts();
+        let mut counts = vec![0; most.len()];
+        loop {
+            steps.push(Self::To(State::Variable {
+                counts: counts.clone(),
+            }));
+            // The next numbers, the first cluster's fastest.
+            let Some(cluster) = counts
+                .iter()
+                .zip(&most)
+                .position(|(count, most)| count < most)
+            else {
+                return steps;
+            };
+            counts[..cluster].fill(0);
+            counts[cluster] += 1;
+        }
+    }
+
     /// The state that a step leads to; `None` for a step that cannot be taken: a collapse or split
     /// out of a variable state, or past an end.
     #[must_use]

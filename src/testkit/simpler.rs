@@ -131,7 +131,11 @@ fn fitted(state: &State, history: &History) -> State {
     }
 }
 
-/// Fewer leaves first, then a simpler history, then fewer steps, then simpler steps.
+/// The most leaves for which every walk of two steps is tried at the end of shrinking.
+const FEW_LEAVES: u32 = 4;
+
+/// Fewer leaves first, then a simpler history, then fewer steps, then simpler steps. Where few leaves
+/// are left and many steps, at last every walk of up to two: a short one may lie aside of the way.
 impl Simpler for Walk {
     fn simpler(&self) -> Vec<Self> {
         let leaves = leaf_chunks(self.history.leaf_count()).into_iter();
@@ -157,6 +161,16 @@ impl Simpler for Walk {
                 let mut operations = self.operations.clone();
                 operations[place] = step;
                 simpler.push(self.with(operations));
+            }
+        }
+        if count > 2 && self.history.leaf_count() <= FEW_LEAVES {
+            let every = Operation::every(&self.history);
+            simpler.extend(every.iter().map(|step| self.with(vec![step.clone()])));
+            for first in &every {
+                let walks = every
+                    .iter()
+                    .map(|second| vec![first.clone(), second.clone()]);
+                simpler.extend(walks.map(|walk| self.with(walk)));
             }
         }
         simpler

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use proptest::test_runner::{Config, TestError, TestRunner};
+use proptest::test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner};
 use spinney::math::Vec3;
 use spinney::models::{Crown, Kind};
 use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype};
@@ -50,12 +50,18 @@ properties! {
     }
 }
 
-/// The smallest failing walk, and how it fails, by proptest.
-fn smallest_walk(fails: impl Fn(&Walk) -> bool) -> Walk {
-    let mut runner = TestRunner::new(Config {
+/// Draws the same every time: what is found last depends on where it begins.
+fn runner() -> TestRunner {
+    let config = Config {
         failure_persistence: None,
         ..Config::with_cases(500)
-    });
+    };
+    TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
+}
+
+/// The smallest failing walk, and how it fails, by proptest.
+fn smallest_walk(fails: impl Fn(&Walk) -> bool) -> Walk {
+    let mut runner = runner();
     let result = runner.run(&strategy::walk(large()), |walk| {
         proptest::prop_assert!(!fails(&walk));
         Ok(())
@@ -132,10 +138,7 @@ fn the_papers_list_shrinks_in_our_own_model() {
 /// A device model that goes one collapse too far; what it draws shrinks with it.
 #[test]
 fn a_fault_on_a_device_shrinks_too() {
-    let mut runner = TestRunner::new(Config {
-        failure_persistence: None,
-        ..Config::with_cases(500)
-    });
+    let mut runner = runner();
     let check = |case: &TreeWalk| {
         let crown = case.crown();
         let last = case.walk.history.collapse_count();
@@ -162,9 +165,10 @@ fn a_fault_on_a_device_shrinks_too() {
     };
     let violation = check(&case).expect_err("the smallest example fails");
     assert_eq!(violation.law, Law::Residency, "{violation}");
-    assert!(case.walk.history.leaf_count() <= 2, "{case:?}");
-    assert!(case.walk.operations.len() <= 1, "{case:?}");
-    assert_eq!(case.foliage.leaf_count(), 2, "{case:?}");
+    // Two leaves and `to level 0`, or three and `collapse`: neither is one step from the other.
+    let leaves = case.walk.history.leaf_count();
+    assert!(leaves <= 3 && case.walk.operations.len() <= 1, "{case:?}");
+    assert_eq!(case.foliage.leaf_count(), leaves as usize, "{case:?}");
 }
 
 #[test]

@@ -81,29 +81,11 @@ fn histories(
 
 /// Every step that there is.
 fn alphabet(history: &History, single: SingleSteps) -> Vec<Operation> {
-    let mut alphabet = match single {
-        SingleSteps::Too => vec![Operation::Collapse, Operation::Split],
-        SingleSteps::No => Vec::new(),
-    };
-    let levels = (0..=history.collapse_count()).map(|collapses| State::Uniform { collapses });
-    alphabet.extend(levels.map(Operation::To));
-    let most = history.most_counts();
-    let mut counts = vec![0; most.len()];
-    loop {
-        alphabet.push(Operation::To(State::Variable {
-            counts: counts.clone(),
-        }));
-        // The next numbers, the first cluster's fastest.
-        let Some(cluster) = counts
-            .iter()
-            .zip(&most)
-            .position(|(count, most)| count < most)
-        else {
-            return alphabet;
-        };
-        counts[..cluster].fill(0);
-        counts[cluster] += 1;
+    let mut alphabet = Operation::every(history);
+    if single == SingleSteps::No {
+        alphabet.retain(|step| matches!(step, Operation::To(_)));
     }
+    alphabet
 }
 
 /// Every walk of so many further steps, each of which can be taken and leads elsewhere.
