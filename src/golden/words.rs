@@ -76,15 +76,14 @@ impl SceneOutcome {
 }
 
 impl Outcome {
-    /// The outcome as text: a line for every scene or stray of which there is something to tell, and
-    /// one that sums up.
+    /// The outcome as text: a line for every part of a scene and every stray of which there is something
+    /// to tell, and one that sums up.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
         for scene in &self.scenes {
-            let lines = scene.lines();
-            if !lines.is_empty() {
-                text += &format!("{}: {}\n", scene.name, lines.join("; "));
+            for line in scene.lines() {
+                text += &format!("{}: {line}\n", scene.name);
             }
         }
         for stray in &self.strays {

@@ -137,8 +137,9 @@ fn what_was_blessed_is_the_same() {
     assert_eq!(code, 1);
     assert_eq!(
         told,
-        "trees/a: frame 0: picture: missing; ledger: missing; frame 2: picture: missing; ledger: \
-         missing\n1 scene, 2 frames: 4 missing, 0 scenes the same\ntarget/golden/report.html\n"
+        "trees/a: frame 0: picture: missing; ledger: missing\n\
+         trees/a: frame 2: picture: missing; ledger: missing\n\
+         1 scene, 2 frames: 4 missing, 0 scenes the same\ntarget/golden/report.html\n"
     );
     let (code, told) = repository.told(&["golden", "bless"]);
     assert_eq!(code, 0);
