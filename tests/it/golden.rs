@@ -191,8 +191,12 @@ fn one_leaf_less_is_told_shown_and_blessed() {
         lines[1].starts_with(&format!("trees/a: {message}")),
         "{told}"
     );
+    assert!(
+        lines[2].starts_with("trees/a: frame 2: picture: 3 of 1,728 pixels differ, "),
+        "{told}"
+    );
     assert_eq!(
-        lines[2..],
+        lines[3..],
         [
             "1 scene, 2 frames: 4 differ, 0 scenes the same",
             "target/golden/report.html"
@@ -295,7 +299,7 @@ fn missing_unused_oversized_and_broken_references_fail() {
     assert_eq!(code, 1);
     for part in [
         "frame 0: picture: 161 × 1 pixels in ",
-        "; ledger: 40000 bytes, wanted at most 160 a side in 32768 bytes; ",
+        "; ledger: 40000 bytes, wanted at most 160 a side in 32768 bytes\n",
         "frame 2: picture: no PNG file\n",
         "golden/old-0000.png: unused: no scene keeps it\n",
         "golden/trees/a-0001.png: unused: no scene keeps it\n",
