@@ -158,6 +158,8 @@ limits! {
     /// Device memory that a scene may ask for: what the simulator then takes is a few times as much.
     DEVICE_BYTES: u64 = 4_294_967_296, "bytes";
 
+    /// The list of files in a folder that is written: 100,000 frames with layers take a twentieth.
+    MARKER_BYTES: u64 = 67_108_864, "bytes";
     /// Folders within each other in a folder that is written.
     FOLDER_DEPTH: usize = 16, "levels";
     /// Pictures of a page.

@@ -1,9 +1,9 @@
-//! Plant files and images.
+//! Plant files and PNG files.
 
 use std::path::Path;
 
 use spinney::plant::gltf::{ImportOptions, export_glb, import_bytes};
-use spinney::report::Picture;
+use spinney::report::{ImageFile, Picture};
 
 /// Plant files: a `.glb`, a `.gltf` that holds its buffers, or, which mutates best, a document and
 /// binary bytes with a NUL byte between, which become a `.glb`.
@@ -46,8 +46,11 @@ fn returns(plant: &spinney::plant::Plant) {
     }
 }
 
-/// Images: as a picture of a report, and as the texture of a plant.
-pub fn image(bytes: &[u8]) {
+/// PNG files: as a picture of a report, and as the texture of a plant.
+pub fn png(bytes: &[u8]) {
+    if let Err(error) = ImageFile::from_bytes(Path::new("fuzz.png"), bytes) {
+        _ = error.to_string();
+    }
     match Picture::from_png(Path::new("fuzz.png"), bytes) {
         Ok(picture) => {
             let png = picture.to_png().expect("a picture can be written");

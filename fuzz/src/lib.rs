@@ -1,20 +1,24 @@
 //! What the fuzz targets do with bytes: plain functions, so that tests replay them without a fuzzer.
 //!
 //! ```text
-//! seeds ──seed──▶ corpus/TARGET/ ──cargo fuzz run TARGET──▶ scene, species, gltf, image, ops
+//! seeds ──seed──▶ corpus/TARGET/ ──cargo fuzz run TARGET──▶ scene, species, gltf, png, exr, ops, trace
 //!   └────────────────────── cargo test ────────────────────────────────┘
 //! ```
 //!
 //! **Invariant.** A target returns on any input. It panics where a reader does, and where what was
 //! read breaks a promise: what is written reads back as the same.
 
+mod exr;
 mod gltf;
 mod seeds;
 mod species;
+mod trace;
 
-pub use gltf::{gltf, image};
+pub use exr::exr;
+pub use gltf::{gltf, png};
 pub use seeds::{seeds, words};
 pub use species::species;
+pub use trace::trace;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -30,11 +34,13 @@ pub type Target = fn(&[u8]);
 
 /// Every target by its name.
 pub const TARGETS: &[(&str, Target)] = &[
+    ("exr", exr),
     ("gltf", gltf),
-    ("image", image),
     ("ops", ops),
+    ("png", png),
     ("scene", scene),
     ("species", species),
+    ("trace", trace),
 ];
 
 /// A text file's bytes as a document; `None` where they are no UTF-8, which reading refuses.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use spinney::document::Document;
 use spinney::plant::gltf::export_glb;
 use spinney::plant::{Silhouette, Species, grow};
+use spinney::report::{Layer, LayerSamples, encode_exr};
 
 /// The seeds of a target: names and bytes.
 ///
@@ -18,10 +19,12 @@ use spinney::plant::{Silhouette, Species, grow};
 pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     match target {
         "gltf" => plants(),
-        "image" => png::images(),
+        "exr" => layers(),
+        "png" => png::images(),
         "ops" => ops(),
         "scene" => scenes(),
         "species" => species(),
+        "trace" => traces(),
         _ => panic!("no target {target}"),
     }
 }
@@ -78,6 +81,61 @@ fn ops() -> Vec<(String, Vec<u8>)> {
             "{\"frame\":0,\"trees\":[{\"tree\":0,\"uniform\":56}]}\n{}\n[]\nnull\n{\"frame\":-1}\n",
         ),
     ])
+}
+
+/// The example that the test kit's pages show, and traces of the other operations and parts.
+fn traces() -> Vec<(String, Vec<u8>)> {
+    named(&[
+        (
+            "example",
+            include_str!("../../src/testkit/trace/example.jsonl"),
+        ),
+        (
+            "clusters",
+            "{\"schema\":\"spinney.trace/1\",\"leaves\":5,\"collapses\":[[0,3],[1,2],[5,4]],\
+            \"parts\":[\"visible\",\"image\"]}\n\
+            {\"clusters\":[0,0],\"visible\":[0,1,2,3,4],\"image\":\"a\"}\n\
+            {\"clusters\":[1,0],\"visible\":[5,4,1,2],\"image\":\"b\"}\n\
+            {\"level\":3,\"visible\":[7,6],\"image\":\"c\"}\n\
+            {\"split\":2,\"visible\":[1,2,4,5],\"image\":\"b\"}\n",
+        ),
+        (
+            "host",
+            "{\"schema\":\"spinney.trace/1\",\"leaves\":2,\"collapses\":[[0,1]],\
+            \"parts\":[\"writes\",\"counted\",\"resident\",\"reads\"],\
+            \"resources\":[{\"name\":\"a\",\"bytes\":2},{\"name\":\"b\",\"bytes\":1,\"host\":true}]}\n\
+            {\"level\":1,\"writes\":[],\"counted\":{\"transfers\":0,\"bytes\":0},\
+            \"resident\":[\"0000\",\"07\"],\"reads\":[[0,0,1],[1,0,1]]}\n",
+        ),
+    ])
+}
+
+/// Layers in small EXR files.
+fn layers() -> Vec<(String, Vec<u8>)> {
+    let layer = |name: &str, samples| Layer {
+        name: name.to_owned(),
+        samples,
+    };
+    let depth = |count: u16| LayerSamples::F32((0..count).map(|n| f32::from(n) / 7.0).collect());
+    let leaf = |count: u32| LayerSamples::U32((0..count).map(|n| u32::MAX - n % 5).collect());
+    let files = [
+        (1, 1, vec![layer("Z", depth(1))]),
+        (7, 5, vec![layer("Z", depth(35)), layer("leaf", leaf(35))]),
+        (
+            3,
+            40,
+            vec![
+                layer("a.B", leaf(120)),
+                layer("R", depth(120)),
+                layer("G", depth(120)),
+            ],
+        ),
+    ];
+    let file = |(width, height, layers): (u32, u32, Vec<Layer>)| {
+        let file = encode_exr(width, height, layers).expect("tiny");
+        (format!("{width}x{height}.exr"), file)
+    };
+    files.map(file).into()
 }
 
 /// A plant that spinney wrote, and what other programs write.
@@ -204,7 +262,8 @@ pub fn words(target: &str) -> Vec<String> {
             words.extend(list(GLTF_VALUES));
             words
         }
-        "image" => list(
+        "exr" => list(EXR_NAMES),
+        "png" => list(
             "IHDR PLTE tRNS IDAT IEND gAMA sRGB iCCP cHRM pHYs tEXt zTXt iTXt fcTL fdAT acTL bKGD",
         ),
         "ops" => list(
@@ -233,9 +292,22 @@ pub fn words(target: &str) -> Vec<String> {
             words.extend(list("[crown] [clump] [wood] [stems] [leaves] [[foliage]] \"envelope\" \"#102030\" [0,0,0,0]"));
             words
         }
+        "trace" => {
+            let quoted = |word: &str| format!("\"{word}\"");
+            let mut words: Vec<String> = TRACE_KEYS.split_whitespace().map(quoted).collect();
+            words.extend(list("[0,1] {\"level\":0} {\"split\":1} {\"collapse\":1} \"00ff\" 4294967295 -1 1e9 null true"));
+            words
+        }
         _ => panic!("no target {target}"),
     }
 }
+
+const EXR_NAMES: &str = "channels chlist compression dataWindow displayWindow box2i lineOrder \
+    pixelAspectRatio float screenWindowCenter v2f screenWindowWidth tiles tiledesc type string \
+    scanlineimage tiledimage deepscanline deeptile chunkCount int version name view multiView";
+
+const TRACE_KEYS: &str = "schema spinney.trace/1 leaves collapses parts resources name bytes host level \
+    clusters collapse split visible writes counted transfers resident reads fresh image to at hex";
 
 const TOML_VALUES: &str = "nan inf -inf 1e39 -0.0 1e-45 0x7fffffffffffffff 9223372036854775807 \
     4294967296 -1 \"\"\" ''' [[ ]] {} [] true 1979-05-27T07:32:00Z \\u0000 \\UFFFFFFFF \\e # \\r";

@@ -1,11 +1,11 @@
 //! Single files that are there whole or not at all.
 
-use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::ReportError;
+use super::staging::{self, Held};
 
 /// Writes a file under a hidden name beside its own, and then renames it, replacing what is there;
 /// makes the folders on its way.
@@ -21,34 +21,27 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
     {
         fs::create_dir_all(folder).map_err(fail)?;
     }
-    let (mut file, hidden) = create_hidden(path).map_err(fail)?;
-    let written = file.write_all(bytes);
-    drop(file);
-    written
-        .and_then(|()| fs::rename(&hidden, path))
-        .map_err(|cause| {
-            // The first error is the one to report.
-            drop(fs::remove_file(&hidden));
-            fail(cause)
-        })
-}
-
-/// Creates a hidden sibling under a name that nobody uses.
-fn create_hidden(path: &Path) -> io::Result<(File, PathBuf)> {
-    let mut attempt = 0;
-    loop {
-        let mut name = OsString::from(".");
-        name.push(path.file_name().unwrap_or_default());
-        name.push(format!(".spinney-{attempt}"));
-        let hidden = path.with_file_name(name);
-        match File::create_new(&hidden) {
-            Ok(file) => return Ok((file, hidden)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 1000 => {
-                attempt += 1;
-            }
-            Err(error) => return Err(error),
-        }
-    }
+    let parent = path.parent().unwrap_or(Path::new(""));
+    let name = path.file_name().ok_or_else(|| {
+        fail(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "it has no name",
+        ))
+    })?;
+    staging::sweep(parent, name, |_, _| {});
+    let Held {
+        mut file,
+        path: hidden,
+    } = staging::hold(parent, name, "").map_err(fail)?;
+    // Held until it has its name.
+    let written = file
+        .write_all(bytes)
+        .and_then(|()| fs::rename(&hidden, path));
+    written.map_err(|cause| {
+        // The first error is the one to report.
+        drop(fs::remove_file(&hidden));
+        fail(cause)
+    })
 }
 
 #[cfg(test)]

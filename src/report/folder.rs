@@ -1,12 +1,13 @@
 //! Output folders that are there whole or not at all.
 
 use std::collections::BTreeSet;
-use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::ReportError;
+use super::staging::{self, Held};
+use crate::document::read_file;
 use crate::limits;
 
 /// The file by which spinney knows a folder of its own: [`HEADING`], then the path of every other
@@ -19,6 +20,9 @@ pub const MARKER: &str = ".spinney";
 /// The first line of a marker.
 const HEADING: &str = "spinney.folder/1";
 
+/// Where the marker is written before it is whole.
+const MARKER_PART: &str = ".spinney-part";
+
 /// What file managers leave behind; nobody misses it.
 const LITTER: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
@@ -26,8 +30,8 @@ const LITTER: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 ///
 /// Files go to a sibling, `.NAME.spinney-…`, which takes the target's place on
 /// [`commit`](Self::commit). Dropped without it, nothing is left behind: neither the sibling nor
-/// folders that were created to hold the target. (A process that is killed leaves the sibling; it
-/// can be deleted.)
+/// folders that were created to hold the target. What a process that is killed leaves is removed by
+/// the next that writes the same folder.
 #[derive(Debug)]
 pub struct OutputFolder {
     /// The target as it was given: what messages say.
@@ -35,6 +39,8 @@ pub struct OutputFolder {
     /// The target with links followed.
     target: PathBuf,
     building: PathBuf,
+    /// Tells other processes that somebody writes.
+    lock: Held,
     /// Folders that were created around the target, outermost first.
     created: Vec<PathBuf>,
     finished: bool,
@@ -57,19 +63,28 @@ impl OutputFolder {
                 "it has no name",
             ))
         })?;
-        check_replaceable(&target, wanted)?;
         let parent = target.parent().unwrap_or(Path::new(""));
+        staging::sweep(parent, name, |new, old| recover(new, &target, old));
+        check_replaceable(&target, wanted)?;
         let created = create_parents(parent).map_err(fail)?;
-        let mut folder = Self {
-            building: PathBuf::new(),
+        let remove = |cause| {
+            remove_empty(&created);
+            fail(cause)
+        };
+        let lock = staging::hold(parent, name, staging::LOCK).map_err(remove)?;
+        let building = lock.path.with_extension("");
+        if let Err(cause) = fs::create_dir(&building) {
+            drop(fs::remove_file(&lock.path));
+            return Err(remove(cause));
+        }
+        Ok(Self {
+            building,
+            lock,
             created,
             finished: false,
             shown: wanted.to_owned(),
-            target: target.clone(),
-        };
-        folder.building = unused_sibling(parent, name, |path| fs::create_dir(path))
-            .map_err(|cause| ReportError::write(wanted, cause))?;
-        Ok(folder)
+            target,
+        })
     }
 
     /// The folder as it will be called.
@@ -114,6 +129,9 @@ impl OutputFolder {
 
     /// Puts the folder in the target's place, replacing what is there.
     ///
+    /// At no time is a file under its final name that is not whole: there is the old folder, for an
+    /// instant none, and then the new one.
+    ///
     /// # Errors
     ///
     /// When the target became something that must not be replaced, or cannot be; then it is as it
@@ -125,30 +143,29 @@ impl OutputFolder {
             marker += &file;
             marker.push('\n');
         }
-        fs::write(self.building.join(MARKER), marker).map_err(fail)?;
-        check_replaceable(&self.target, &self.shown)?;
-        if self.target.exists() {
-            let name = self.target.file_name().unwrap_or_default();
-            let parent = self.target.parent().unwrap_or(Path::new(""));
-            let old = unused_sibling(parent, name, |path| {
-                // A rename would silently replace an empty folder.
-                match path.symlink_metadata() {
-                    Ok(_) => Err(io::ErrorKind::AlreadyExists.into()),
-                    Err(_) => fs::rename(&self.target, path),
-                }
-            })
+        // The marker says that the folder is whole, so it has to be whole itself.
+        let part = self.building.join(MARKER_PART);
+        fs::write(&part, marker)
+            .and_then(|()| fs::rename(&part, self.building.join(MARKER)))
             .map_err(fail)?;
-            if let Err(cause) = fs::rename(&self.building, &self.target) {
-                // The first error is the one to report; the old folder is back or still beside.
-                drop(fs::rename(&old, &self.target));
-                return Err(fail(cause));
+        let old = self.lock.path.with_extension(&staging::OLD[1..]);
+        let mut attempt = 0;
+        loop {
+            check_replaceable(&self.target, &self.shown)?;
+            match exchange(&self.building, &self.target, &old) {
+                Ok(()) => break,
+                // Another run was faster; its folder is replaced in its turn.
+                Err(_) if self.target.exists() && attempt < MOST_ATTEMPTS => attempt += 1,
+                Err(cause) => return Err(fail(cause)),
             }
-            self.finished = true;
-            return fs::remove_dir_all(&old).map_err(|cause| ReportError::write(&old, cause));
         }
-        fs::rename(&self.building, &self.target).map_err(fail)?;
         self.finished = true;
-        Ok(())
+        match fs::remove_dir_all(&old) {
+            Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
+                Err(ReportError::write(&old, cause))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn failed(&self, name: &str, cause: io::Error) -> ReportError {
@@ -159,16 +176,49 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
+        if !self.finished {
+            drop(fs::remove_dir_all(&self.building));
+        }
+        drop(fs::remove_file(&self.lock.path));
         if self.finished {
             return;
         }
-        if !self.building.as_os_str().is_empty() {
-            drop(fs::remove_dir_all(&self.building));
-        }
-        for folder in self.created.iter().rev() {
-            // Only if it is empty: somebody else may use it by now.
-            drop(fs::remove_dir(folder));
-        }
+        remove_empty(&self.created);
+    }
+}
+
+/// Removes folders, the last first, as far as they are empty: somebody else may use one by now.
+fn remove_empty(folders: &[PathBuf]) {
+    for folder in folders.iter().rev() {
+        drop(fs::remove_dir(folder));
+    }
+}
+
+/// Puts a new folder in the place of an old one, which is moved to `old`; when that fails, all is as
+/// it was.
+fn exchange(new: &Path, target: &Path, old: &Path) -> io::Result<()> {
+    let moved = match fs::rename(target, old) {
+        Ok(()) => true,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+        Err(error) => return Err(error),
+    };
+    let placed = fs::rename(new, target);
+    if placed.is_err() && moved && fs::rename(old, target).is_err() {
+        // Somebody else's folder stands there by now, and would have replaced the old one too.
+        drop(fs::remove_dir_all(old));
+    }
+    placed
+}
+
+/// Finishes an exchange that was cut short when nothing stood in the target's place.
+fn recover(new: &Path, target: &Path, old: &Path) {
+    if target.symlink_metadata().is_ok() {
+        return;
+    }
+    let is_whole = new.join(MARKER).is_file();
+    if !is_whole || fs::rename(new, target).is_err() {
+        // Where there is none, nothing was replaced.
+        drop(fs::rename(old, target));
     }
 }
 
@@ -191,27 +241,48 @@ fn resolved(target: &Path) -> Result<PathBuf, ReportError> {
 /// Refuses a folder, which messages call `shown`, with a file that its marker does not list.
 fn check_replaceable(target: &Path, shown: &Path) -> Result<(), ReportError> {
     let fail = |cause| ReportError::write(shown, cause);
-    match target.symlink_metadata() {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        Err(cause) => return Err(fail(cause)),
-        Ok(_) => {}
-    }
-    let known: BTreeSet<String> = match fs::read_to_string(target.join(MARKER)) {
-        Ok(text) if text.lines().next() == Some(HEADING) => {
-            let listed = text.lines().skip(1).map(str::to_owned);
-            listed.chain([MARKER.to_owned()]).collect()
+    let mut attempt = 0;
+    loop {
+        let marker = marker_of(target);
+        let found = foreign_file(target, &marker);
+        // Another run may have put its folder there while this one was looking.
+        let has_changed = !matches!(found, Ok(None)) && marker_of(target) != marker;
+        if !has_changed || attempt == MOST_ATTEMPTS {
+            return match found.map_err(fail)? {
+                None => Ok(()),
+                Some(found) => Err(ReportError::Foreign {
+                    path: shown.to_owned(),
+                    found,
+                }),
+            };
         }
-        _ => BTreeSet::new(),
-    };
-    let litter = |file: &str| LITTER.contains(&file.rsplit('/').next().unwrap_or(file));
-    let mut is_foreign = |file: &str| !known.contains(file) && !litter(file);
-    match find_below(target, "", 1, &mut is_foreign).map_err(fail)? {
-        None => Ok(()),
-        Some(found) => Err(ReportError::Foreign {
-            path: shown.to_owned(),
-            found,
-        }),
+        attempt += 1;
     }
+}
+
+/// How often other runs may be faster.
+const MOST_ATTEMPTS: u32 = 16;
+
+/// What a folder's marker says; empty where there is none, or one that is none of ours.
+fn marker_of(target: &Path) -> String {
+    let bytes = read_file(&target.join(MARKER), limits::MARKER_BYTES);
+    let text = bytes.ok().and_then(|bytes| String::from_utf8(bytes).ok());
+    text.filter(|text| text.lines().next() == Some(HEADING))
+        .unwrap_or_default()
+}
+
+/// The first file of a folder that its marker does not list.
+fn foreign_file(target: &Path, marker: &str) -> io::Result<Option<String>> {
+    match target.symlink_metadata() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        other => other?,
+    };
+    let known: BTreeSet<&str> = marker.lines().skip(1).chain([MARKER]).collect();
+    let is_known = |file: &str| !marker.is_empty() && known.contains(file);
+    let is_litter = |file: &str| LITTER.contains(&file.rsplit('/').next().unwrap_or(file));
+    find_below(target, "", 1, &mut |file| {
+        !is_known(file) && !is_litter(file)
+    })
 }
 
 /// All files, and all links as files, below a folder, sorted; what lies too deep counts as a file.
@@ -260,45 +331,12 @@ fn create_parents(parent: &Path) -> io::Result<Vec<PathBuf>> {
             // Another run was faster, or the path goes through `..`.
             Err(_) if path.is_dir() => {}
             Err(error) => {
-                for folder in created.iter().rev() {
-                    drop(fs::remove_dir(folder));
-                }
+                remove_empty(&created);
                 return Err(error);
             }
         }
     }
     Ok(created)
-}
-
-/// Makes a hidden sibling under a name that nobody uses.
-fn unused_sibling(
-    parent: &Path,
-    name: &OsStr,
-    make: impl Fn(&Path) -> io::Result<()>,
-) -> io::Result<PathBuf> {
-    let mut attempt = 0;
-    loop {
-        let mut hidden = OsString::from(".");
-        hidden.push(name);
-        hidden.push(format!(".spinney-{}-{attempt}", process_number()));
-        let path = parent.join(hidden);
-        match make(&path) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 1000 => {
-                attempt += 1;
-            }
-            Err(error) => return Err(error),
-        }
-    }
-}
-
-/// What tells apart the hidden names of two processes; 0 where there are none to tell apart.
-fn process_number() -> u32 {
-    if cfg!(target_family = "wasm") {
-        0
-    } else {
-        std::process::id()
-    }
 }
 
 #[cfg(test)]

@@ -155,6 +155,7 @@ pub(super) fn open_png(bytes: &[u8]) -> Result<PngDecoder<Cursor<&[u8]>>, String
     if !bytes.starts_with(PNG_SIGNATURE) {
         return Err("no PNG file".to_owned());
     }
+    document::check_png(bytes).map_err(|error| unsound("PNG", &error))?;
     let mut limits = Limits::no_limits();
     limits.max_image_width = Some(Picture::MAX_SIDE);
     limits.max_image_height = Some(Picture::MAX_SIDE);

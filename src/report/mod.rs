@@ -25,6 +25,7 @@ mod image;
 mod number;
 mod plot;
 mod run;
+mod staging;
 mod storage;
 mod sweep;
 mod table;

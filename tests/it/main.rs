@@ -9,6 +9,7 @@ mod explain;
 mod gltf;
 mod golden;
 mod gpu;
+mod hostile;
 mod house;
 mod laws;
 mod layering;

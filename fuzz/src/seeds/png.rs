@@ -14,18 +14,23 @@ pub(super) fn images() -> Vec<(String, Vec<u8>)> {
         for &depth in depths {
             for interlaced in [0, 1] {
                 let bits = usize::from(depth) * channels;
-                let file = png(5, 3, [depth, colour, 0, 0, interlaced], bits);
+                let palette = 3 << depth.min(4);
+                let file = png(5, 3, [depth, colour, 0, 0, interlaced], bits, palette);
                 seeds.push((format!("{name}_{depth}_{interlaced}.png"), file));
             }
         }
     }
     let last = seeds.last().expect("not empty").1.clone();
+    // The decoder expands every entry, and this ends within one.
+    let torn = png(5, 3, [4, 3, 0, 0, 0], 4, 46);
+    seeds.push(("torn_palette.png".to_owned(), torn));
     seeds.push(("cut.png".to_owned(), last[..last.len() / 2].to_vec()));
     seeds
 }
 
-/// A file of the five bytes that end a header, and pixels of so many bits.
-fn png(width: u8, height: u8, kind: [u8; 5], bits: usize) -> Vec<u8> {
+/// A file of the five bytes that end a header, pixels of so many bits, and a palette if its kind has
+/// one.
+fn png(width: u8, height: u8, kind: [u8; 5], bits: usize, palette_bytes: usize) -> Vec<u8> {
     let mut header = [
         u32::from(width).to_be_bytes(),
         u32::from(height).to_be_bytes(),
@@ -59,8 +64,7 @@ fn png(width: u8, height: u8, kind: [u8; 5], bits: usize) -> Vec<u8> {
     chunk(&mut file, b"IHDR", &header);
     if kind[1] == 3 {
         let palette: Vec<u8> = (0..48).map(|value: u8| value.wrapping_mul(37)).collect();
-        let entries = 1 << kind[0].min(4);
-        chunk(&mut file, b"PLTE", &palette[..3 * entries]);
+        chunk(&mut file, b"PLTE", &palette[..palette_bytes]);
         chunk(&mut file, b"tRNS", &[0, 128]);
     }
     chunk(&mut file, b"tEXt", b"a\0b");

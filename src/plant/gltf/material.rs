@@ -3,6 +3,7 @@
 use super::accessor::Reader;
 use super::error::Fault;
 use super::report::{ImportReport, ReportKind};
+use crate::document::check_png;
 use crate::limits::PLANT_TEXELS;
 use crate::plant::{Material, Texture};
 use gltf_json::material::{AlphaCutoff, AlphaMode};
@@ -262,6 +263,7 @@ fn decode_png(bytes: &[u8], texels_left: u64) -> Result<Texture, String> {
         reader
     };
     let broken = |error: image::ImageError| format!("not a sound PNG: {error}");
+    check_png(bytes).map_err(|error| format!("not a sound PNG: {error}"))?;
     let (width, height) = reader().into_dimensions().map_err(broken)?;
     let side = Texture::MAX_SIDE;
     if width > side || height > side {

@@ -1,9 +1,13 @@
-//! Text documents at the border: where in a file something is wrong, and reading TOML tables with
-//! errors that say so.
+//! Files at the border: reading them whole up to a limit, where in a text something is wrong, and
+//! reading TOML tables with errors that say so.
+
+mod png;
 
 use std::path::Path;
 
 use crate::limits;
+
+pub use png::check_png;
 
 /// What is wrong with a text file, and where.
 ///
