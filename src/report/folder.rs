@@ -368,6 +368,28 @@ mod tests {
     }
 
     #[test]
+    fn an_exchange_that_was_cut_short_is_finished_or_undone() {
+        let root = tempfile::tempdir().unwrap();
+        let target = root.path().join("run");
+        let folder = OutputFolder::create(&target).unwrap();
+        folder.write("a", b"old").unwrap();
+        folder.commit().unwrap();
+        let hidden = |ending: &str| root.path().join(format!(".run.spinney-1-0{ending}"));
+        for (marker, wanted) in [(MARKER, "new"), (MARKER_PART, "old")] {
+            // As a process leaves it that is killed between two renames.
+            fs::write(target.join("a"), "old").unwrap();
+            fs::rename(&target, hidden(".old")).unwrap();
+            fs::create_dir(hidden("")).unwrap();
+            fs::write(hidden("").join("a"), "new").unwrap();
+            fs::write(hidden("").join(marker), format!("{HEADING}\na\n")).unwrap();
+            fs::write(hidden(".lock"), "").unwrap();
+            drop(OutputFolder::create(&target).unwrap());
+            assert_eq!(fs::read_to_string(target.join("a")).unwrap(), wanted);
+            assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
+        }
+    }
+
+    #[test]
     fn folders_appear_whole_and_are_replaced_whole() {
         let root = tempfile::tempdir().unwrap();
         let target = root.path().join("out/run");
