@@ -15,16 +15,17 @@
 mod clusters;
 mod leaves;
 mod measure;
+mod published;
 mod sequence;
 mod storage;
 
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LeafCollapseOptions, LeafDistance, collapse_leaves};
 pub use measure::{LeafMeasure, is_folded, leaf_area, measure_leaves};
+pub use published::{Erratum, PUBLISHED_ROWS, PublishedCell, PublishedRow};
 #[cfg(test)]
 pub(crate) use sequence::examples;
 pub use sequence::{Collapse, CollapseSequence, SequenceError};
 pub use storage::{
-    Accounting, PRINTED_LODF_BYTES, PRINTED_LODF_HARDWARE_BYTES, PUBLISHED_SIZES, PublishedSize,
-    StorageCounts, mebibyte_hundredths,
+    Accounting, PRINTED_LODF_BYTES, PRINTED_LODF_HARDWARE_BYTES, StorageCounts, mebibyte_hundredths,
 };

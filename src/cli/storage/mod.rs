@@ -1,5 +1,7 @@
 //! `spinney storage`: what keeping a foliage takes, by the papers' accounting and in truth.
 
+mod published;
+
 use std::path::Path;
 
 use super::arguments::{Shared, StorageOptions};
@@ -9,7 +11,7 @@ use super::terminal::Terminal;
 use crate::raster::Counters;
 use crate::report::{self, PrintedSize, is_paper_tree, storage_report};
 use crate::scene::PlantSource;
-use crate::simplify::{Accounting, CollapseSequence, PUBLISHED_SIZES, StorageCounts};
+use crate::simplify::{Accounting, CollapseSequence, PUBLISHED_ROWS, PublishedCell, StorageCounts};
 
 pub(super) fn storage(
     options: &StorageOptions,
@@ -50,10 +52,12 @@ pub(super) fn storage(
         let list: Vec<String> = reports.iter().map(|report| report.to_json()).collect();
         return terminal.print(&format!("[{}]", list.join(",\n")));
     }
-    let texts: Vec<String> = reports
-        .iter()
-        .map(|report| report.to_text(terminal.width()))
-        .collect();
+    let width = terminal.width();
+    let mut texts: Vec<String> = reports.iter().map(|report| report.to_text(width)).collect();
+    let tables = published::published(&reports, width);
+    if !tables.is_empty() {
+        texts.push(tables);
+    }
     terminal.print(&texts.join("\n"))
 }
 
@@ -61,14 +65,14 @@ pub(super) fn storage(
 fn accountings(name: &str, sequence: &CollapseSequence) -> Vec<report::Accounting> {
     let counts = StorageCounts::of(sequence);
     let printed = |accounting: Accounting| {
-        let rows = PUBLISHED_SIZES
+        let rows = PUBLISHED_ROWS
             .iter()
-            .filter(move |size| size.accounting == accounting && is_paper_tree(name, size.tree));
-        rows.map(|size| PrintedSize {
-            table: size.table.to_owned(),
-            mebibyte_hundredths: size.printed,
-            leaves: u64::from(size.counts.leaves),
-            erratum: size.erratum.map(str::to_owned),
+            .filter(move |row| row.accounting() == accounting && is_paper_tree(name, row.tree));
+        rows.map(|row| PrintedSize {
+            table: row.table.to_owned(),
+            mebibyte_hundredths: row.size,
+            leaves: u64::from(row.originals),
+            erratum: row.erratum(PublishedCell::Size).map(str::to_owned),
         })
         .collect()
     };
