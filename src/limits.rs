@@ -74,6 +74,15 @@ limits! {
     /// Steps of a recorded trace times leaves, old and new: what a check looks at, in minutes.
     TRACE_WORK: u64 = 68_719_476_736, "leaves";
 
+    /// A line of the file by which shards are joined.
+    SHARD_LINE_BYTES: usize = 268_435_456, "bytes";
+    /// Folders that are joined.
+    SHARDS: usize = 4096, "folders";
+    /// Kinds of causes that are read from files: they are kept as long as the program runs.
+    READ_CAUSES: usize = 256, "kinds";
+    /// Such a kind.
+    READ_CAUSE_BYTES: usize = 64, "bytes";
+
     /// A text in a scene: a name or a path.
     TEXT_CHARACTERS: usize = 400, "characters";
     /// Names of foliage that a tree of a scene lists.

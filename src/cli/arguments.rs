@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 
 use crate::gpu::{Card, Link};
+use crate::run::Shard;
 
 /// Renders trees at any level of detail on a GPU that exists only in software, and counts every
 /// byte over its bus.
@@ -61,6 +62,8 @@ pub(super) enum Command {
     Run(RunOptions),
     /// Walk the axis of detail from 0 to 1 for several models
     Sweep(SweepOptions),
+    /// Join the folders of all shards of a run or sweep
+    Merge(MergeOptions),
     /// Storage table: original, VDF, LoDF, by the papers' accounting and by true sizes
     Storage(StorageOptions),
     /// Tell what a scene, species, plant or image holds
@@ -96,7 +99,8 @@ pub(super) struct Drawing {
     /// `exact` rasterizes everything and models the card's time, `visible` is faster
     #[arg(long, value_enum)]
     pub(super) counters: Option<CounterChoice>,
-    /// Draw every N-th frame from the I-th on; every frame is selected and committed
+    /// Draw every N-th frame or step from the I-th on; all are selected and committed, and
+    /// `spinney merge` joins the shards
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub(super) shard: Option<Shard>,
 }
@@ -108,15 +112,6 @@ pub(super) enum CounterChoice {
     Visible,
     /// Everything is rasterized and counted
     Exact,
-}
-
-/// A share of the frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Shard {
-    /// Which, from 0.
-    pub(super) index: u32,
-    /// Of how many.
-    pub(super) count: u32,
 }
 
 #[derive(Debug, Args)]
@@ -142,6 +137,13 @@ pub(super) struct SweepOptions {
     /// Steps from full detail to the coarsest
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) steps: u32,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct MergeOptions {
+    /// Folders that were written with --shard: all of one scene, flags and count
+    #[arg(required = true, value_name = "DIR")]
+    pub(super) folders: Vec<PathBuf>,
 }
 
 #[derive(Debug, Args)]

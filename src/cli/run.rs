@@ -1,15 +1,17 @@
 //! `spinney run`: a scene's frames, and what they cost.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::arguments::{Drawing, RunOptions, Shared};
 use super::error::CliError;
 use super::prepare::Prepared;
 use super::terminal::Terminal;
+use crate::gpu::Link;
 use crate::raster::Counters;
-use crate::report::{RunFolder, RunHeader, frame_layers, run_notes, run_table};
-use crate::run::{PlantFiles, Progress as _, Session};
-use crate::scene::to_toml;
+use crate::report::{FrameRow, RunFolder, RunHeader, RunShare, frame_layers, run_notes, run_table};
+use crate::run::{PlantFiles, Progress as _, Session, Shard};
+use crate::scene::{Scene, to_toml};
 
 /// Rows of frames in the closing table.
 const TABLE_ROWS: usize = 20;
@@ -48,13 +50,18 @@ pub(super) fn run(
     let mut folder = RunFolder::create(&target, header, session.initial())?;
     folder.add_plants(&plants)?;
     drop(plants);
-    let last = drawing
-        .frames
-        .as_ref()
-        .map_or(scene.frames, |frames| frames.end);
-    progress.begin("frames", u64::from(last));
-    for number in 0..last {
-        if wanted(drawing, number) {
+    let frames = frames(drawing, scene);
+    if let Some(shard) = drawing.shard {
+        folder.share(&RunShare {
+            shard,
+            frames: frames.clone(),
+            layers: options.layers,
+        })?;
+    }
+    let shard = drawing.shard.unwrap_or(Shard::WHOLE);
+    progress.begin("frames", u64::from(frames.end));
+    for number in 0..frames.end {
+        if frames.contains(&number) && shard.draws(number) {
             let frame = session.frame(number)?;
             folder.add(&frame)?;
             if options.layers {
@@ -69,6 +76,17 @@ pub(super) fn run(
     }
     drop(progress);
     let rows = folder.finish()?;
+    closing(&rows, prepared.options.link, &target, shared, terminal)
+}
+
+/// Says what a run cost and where it lies.
+pub(super) fn closing(
+    rows: &[FrameRow],
+    link: Link,
+    target: &Path,
+    shared: &Shared,
+    terminal: &Terminal,
+) -> Result<(), CliError> {
     if shared.json {
         let path = target.join("ledger.json");
         let ledger = std::fs::read_to_string(&path).map_err(|problem| CliError::Write {
@@ -77,9 +95,9 @@ pub(super) fn run(
         })?;
         return terminal.print(&ledger);
     }
-    let mut text = run_table(&rows, TABLE_ROWS).to_text(terminal.width());
+    let mut text = run_table(rows, TABLE_ROWS).to_text(terminal.width());
     text.push('\n');
-    for note in run_notes(&rows, prepared.options.link) {
+    for note in run_notes(rows, link) {
         text.push_str(&terminal.wrapped(&note));
     }
     text.push_str(&format!(
@@ -89,16 +107,9 @@ pub(super) fn run(
     terminal.print(&text)
 }
 
-/// Whether a frame is drawn, or only selected and committed.
-fn wanted(drawing: &Drawing, frame: u32) -> bool {
-    let in_range = drawing
-        .frames
-        .as_ref()
-        .is_none_or(|frames| frames.contains(&frame));
-    in_range
-        && drawing
-            .shard
-            .is_none_or(|shard| frame % shard.count == shard.index)
+/// The frames of all shards together.
+fn frames(drawing: &Drawing, scene: &Scene) -> Range<u32> {
+    drawing.frames.clone().unwrap_or(0..scene.frames)
 }
 
 /// Where a scene's output goes.

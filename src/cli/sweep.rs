@@ -1,13 +1,17 @@
 //! `spinney sweep`: the axis of detail, for several models side by side.
 
+use std::path::Path;
+
 use super::arguments::{Shared, SweepOptions};
 use super::error::CliError;
 use super::prepare::Prepared;
 use super::run::folder;
 use super::terminal::Terminal;
 use crate::raster::Counters;
-use crate::report::{OutputFolder, SweepHeader, sweep_json, sweep_text, write_sweep};
-use crate::run::{self, Variant};
+use crate::report::{
+    OutputFolder, SweepHeader, sweep_json, sweep_text, write_sweep, write_sweep_shard,
+};
+use crate::run::{self, Shard, Sweep, Variant};
 
 pub(super) fn sweep(
     options: &SweepOptions,
@@ -35,16 +39,31 @@ pub(super) fn sweep(
     let walk = run::SweepOptions {
         variants,
         steps: options.steps,
+        shard: options.drawing.shard.unwrap_or(Shard::WHOLE),
         session: prepared.options,
     };
     let sweep = run::sweep(&prepared.scene, &prepared.world, &walk, &progress)?;
     drop(progress);
     write_sweep(&output, &header, &sweep)?;
-    output.commit()?;
-    if shared.json {
-        return terminal.print(&sweep_json(&header, &sweep));
+    if let Some(shard) = options.drawing.shard {
+        write_sweep_shard(&output, &header, shard, options.steps, &sweep)?;
     }
-    let mut text = sweep_text(&sweep, terminal.width());
+    output.commit()?;
+    closing(&header, &sweep, &target, shared, terminal)
+}
+
+/// Says what a walk cost and where it lies.
+pub(super) fn closing(
+    header: &SweepHeader,
+    sweep: &Sweep,
+    target: &Path,
+    shared: &Shared,
+    terminal: &Terminal,
+) -> Result<(), CliError> {
+    if shared.json {
+        return terminal.print(&sweep_json(header, sweep));
+    }
+    let mut text = sweep_text(sweep, terminal.width());
     text.push_str(&format!(
         "\n{}: plots, tables and report.html\n",
         target.display()

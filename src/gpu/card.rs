@@ -42,6 +42,21 @@ pub struct DrawWork {
     pub input_bytes: u64,
 }
 
+/// As its name.
+impl serde::Serialize for Card {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.name)
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Card {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let name = std::borrow::Cow::<'de, str>::deserialize(from)?;
+        let unknown = || serde::de::Error::custom(format!("no card is called {name:?}"));
+        Self::named(&name).ok_or_else(unknown)
+    }
+}
+
 impl Card {
     /// All cards by name.
     pub const ALL: [Self; 4] = [

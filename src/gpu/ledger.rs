@@ -1,11 +1,15 @@
 //! What was moved and drawn: the ledger of a frame.
 
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Ticks;
+use crate::limits;
 
 /// Why bytes were moved; opaque to the device.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct Cause {
     /// The kind, such as `"slot"`.
     pub kind: &'static str,
@@ -28,7 +32,8 @@ impl Cause {
 }
 
 /// A direction over the bus; the streams are never added to one another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stream {
     /// Host to device, by [`Queue::write`](super::Queue::write) and its kin.
     Upload,
@@ -51,7 +56,7 @@ impl Stream {
 }
 
 /// One transfer over the bus.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Transfer {
     /// The direction.
     pub stream: Stream,
@@ -70,7 +75,7 @@ pub struct Transfer {
 }
 
 /// Sums over the transfers of one stream.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Traffic {
     /// How many transfers.
     pub transfers: u64,
@@ -93,7 +98,7 @@ impl Traffic {
 }
 
 /// Transfers and payload of one cause or buffer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Share {
     /// How many transfers.
     pub transfers: u64,
@@ -102,7 +107,7 @@ pub struct Share {
 }
 
 /// Order-free counts of the rasterizer's work, under exact counters only.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct WorkCounts {
     /// Samples inside triangles.
     pub covered: u64,
@@ -116,7 +121,7 @@ pub struct WorkCounts {
 
 /// Everything counted between two calls of
 /// [`Device::take_ledger`](super::Device::take_ledger).
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Ledger {
     /// Host to device.
     pub upload: Traffic,
@@ -139,6 +144,7 @@ pub struct Ledger {
     /// The most device memory in use so far.
     pub peak_bytes: u64,
     /// Shares of all streams by kind of cause.
+    #[serde(deserialize_with = "by_cause")]
     pub by_cause: BTreeMap<&'static str, Share>,
     /// Shares of all streams by label.
     pub by_buffer: BTreeMap<String, Share>,
@@ -203,4 +209,84 @@ impl Ledger {
 fn add_share(sum: &mut Share, share: Share) {
     sum.transfers += share.transfers;
     sum.payload_bytes += share.payload_bytes;
+}
+
+/// Kinds of causes that were read from files. They live as long as the program, so few are let in.
+static KINDS: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
+
+impl<'de> Deserialize<'de> for Cause {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        struct Read {
+            kind: String,
+            id: Option<u32>,
+        }
+        let Read { kind, id } = Read::deserialize(from)?;
+        let kind = known_kind(&kind).map_err(serde::de::Error::custom)?;
+        Ok(Self { kind, id })
+    }
+}
+
+fn by_cause<'de, D: Deserializer<'de>>(from: D) -> Result<BTreeMap<&'static str, Share>, D::Error> {
+    let shares = BTreeMap::<String, Share>::deserialize(from)?;
+    let known = |(kind, share): (String, Share)| Ok((known_kind(&kind)?, share));
+    let shares: Result<_, String> = shares.into_iter().map(known).collect();
+    shares.map_err(serde::de::Error::custom)
+}
+
+fn known_kind(text: &str) -> Result<&'static str, String> {
+    let mut kinds = KINDS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(kind) = kinds.iter().find(|kind| **kind == text) {
+        return Ok(kind);
+    }
+    let (most, longest) = (limits::READ_CAUSES, limits::READ_CAUSE_BYTES);
+    if kinds.len() >= most || text.len() > longest {
+        return Err(format!(
+            "cause of {} bytes, {} others known: at most {most} of at most {longest} bytes",
+            text.len(),
+            kinds.len()
+        ));
+    }
+    let kind: &'static str = String::leak(text.to_owned());
+    kinds.push(kind);
+    Ok(kind)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ledger_reads_back_equal() {
+        let transfer = Transfer {
+            stream: Stream::Fetch,
+            resource: "leaf \"records\"".to_owned(),
+            cause: Cause::numbered("slot", 7),
+            ranges: 2,
+            payload_bytes: u64::MAX,
+            wire_bytes: 40,
+            ticks: 1 << 60,
+        };
+        let share = Share {
+            transfers: 1,
+            payload_bytes: 32,
+        };
+        let ledger = Ledger {
+            by_cause: [("slot", share)].into(),
+            by_buffer: [("records".to_owned(), share)].into(),
+            work: Some(WorkCounts::default()),
+            gpu_ticks: Some(3),
+            transfers: vec![transfer],
+            ..Ledger::default()
+        };
+        let text = serde_json::to_string(&ledger).unwrap();
+        assert_eq!(serde_json::from_str::<Ledger>(&text).unwrap(), ledger);
+    }
+
+    #[test]
+    fn long_kinds_are_refused() {
+        let long = format!("{{\"kind\":\"{}\",\"id\":null}}", "x".repeat(65));
+        let error = serde_json::from_str::<Cause>(&long).unwrap_err();
+        assert!(error.to_string().contains("of at most 64 bytes"), "{error}");
+    }
 }

@@ -50,6 +50,21 @@ const PCIE: Packets = Packets {
 const AGP_READBACK: Ticks = 30_720;
 const LATENCY: Ticks = 1000 * TICKS_PER_NANOSECOND;
 
+/// As its name.
+impl serde::Serialize for Link {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.name)
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Link {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let name = std::borrow::Cow::<'de, str>::deserialize(from)?;
+        let unknown = || serde::de::Error::custom(format!("no link is called {name:?}"));
+        Self::named(&name).ok_or_else(unknown)
+    }
+}
+
 impl Link {
     /// All links by name, slowest first; a byte takes `down` ticks to the device, `up` from it.
     pub const ALL: [Self; 9] = [

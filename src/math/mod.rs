@@ -34,6 +34,36 @@ impl std::fmt::Debug for Digest {
     }
 }
 
+/// As 64 hexadecimal digits.
+impl serde::Serialize for Digest {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Digest {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let text = std::borrow::Cow::<'de, str>::deserialize(from)?;
+        let wrong = || serde::de::Error::custom("wanted 64 hexadecimal digits");
+        let digits: Option<Vec<u8>> = text
+            .chars()
+            .map(|digit| {
+                digit
+                    .to_digit(16)
+                    .and_then(|value| u8::try_from(value).ok())
+            })
+            .collect();
+        let digits = digits
+            .filter(|digits| digits.len() == 64)
+            .ok_or_else(wrong)?;
+        let mut bytes = [0; 32];
+        for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
+            *byte = 16 * pair[0] + pair[1];
+        }
+        Ok(Self(bytes))
+    }
+}
+
 /// Collects the bytes of a digest: integers and floats little-endian, strings and lists with a
 /// `u64` length before them, so that no two different values share a byte string.
 #[derive(Debug, Clone, Default)]

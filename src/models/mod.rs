@@ -112,7 +112,7 @@ pub trait Resident: std::fmt::Debug {
 }
 
 /// What a change of state took.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Change {
     /// Collapses done.
     pub collapses: u32,

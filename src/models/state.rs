@@ -1,9 +1,12 @@
 //! How much detail is shown: all that decides what a resident model holds on the device.
 
+use serde::{Deserialize, Serialize};
+
 use crate::simplify::Clusters;
 
 /// A cut through the forest of leaves: fully describes a model's resident content.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum State {
     /// The first `collapses` of the sequence are done.
     Uniform {

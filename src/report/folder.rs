@@ -127,6 +127,46 @@ impl OutputFolder {
         fs::write(path, bytes).map_err(|cause| self.failed(name, cause))
     }
 
+    /// Copies a file into the folder.
+    ///
+    /// # Errors
+    ///
+    /// As [`file`](Self::file), and when it cannot be copied; a pipe or device is refused.
+    pub(super) fn copy(&self, from: &Path, name: &str) -> Result<(), ReportError> {
+        let is_file = fs::metadata(from).is_ok_and(|metadata| metadata.is_file());
+        if !is_file {
+            return Err(ReportError::Image {
+                file: from.to_owned(),
+                message: "cannot read: no such file".to_owned(),
+            });
+        }
+        let path = self.file(name)?;
+        let copied = fs::copy(from, path);
+        copied.map(drop).map_err(|cause| self.failed(name, cause))
+    }
+
+    /// Copies the files and folders below a folder to below the folder `name`.
+    ///
+    /// # Errors
+    ///
+    /// As [`copy`](Self::copy), and when something lies too deep.
+    pub(super) fn copy_below(&self, from: &Path, name: &str) -> Result<(), ReportError> {
+        // Made on the way to a file in it, which is never written: it may be empty.
+        self.file(&format!("{name}/x"))?;
+        let failed = |cause| self.failed(name, cause);
+        let entries = fs::read_dir(from).map_err(failed)?;
+        for entry in entries {
+            let entry = entry.map_err(failed)?;
+            let name = format!("{name}/{}", entry.file_name().to_string_lossy());
+            if entry.file_type().map_err(failed)?.is_dir() {
+                self.copy_below(&entry.path(), &name)?;
+            } else {
+                self.copy(&entry.path(), &name)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Puts the folder in the target's place, replacing what is there.
     ///
     /// At no time is a file under its final name that is not whole: there is the old folder, for an

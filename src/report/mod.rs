@@ -25,6 +25,7 @@ mod image;
 mod number;
 mod plot;
 mod run;
+mod shard;
 mod staging;
 mod storage;
 mod sweep;
@@ -49,6 +50,7 @@ pub use run::{
     NO_NUMBER, OpsReader, RunFolder, RunHeader, RunLedger, ShareEntry, TrafficEntry, WorkEntry,
     frame_layers, run_notes, run_table,
 };
+pub use shard::{Merged, RunShare, SHARD_SCHEMA, merge, write_sweep_shard};
 pub use storage::{
     Accounting, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport,
     is_paper_tree, storage_report,
@@ -146,6 +148,16 @@ pub enum ReportError {
         /// What would be right.
         wanted: String,
     },
+    /// Folders of shards cannot be joined: a fault of the input.
+    #[error("{}{}: {message}", file.display(), at_line(*line))]
+    Shard {
+        /// The file, or the folder.
+        file: PathBuf,
+        /// The line, from 1; 0 for all of it.
+        line: usize,
+        /// What is missing or wrong.
+        message: String,
+    },
     /// A line of `ops.jsonl` says something that cannot be.
     #[error("ops.jsonl:{line}: {message}")]
     Ops {
@@ -164,6 +176,14 @@ pub enum ReportError {
         /// How much there may be.
         limit: usize,
     },
+}
+
+/// `:7`, or nothing for a whole file.
+fn at_line(line: usize) -> String {
+    match line {
+        0 => String::new(),
+        line => format!(":{line}"),
+    }
 }
 
 impl ReportError {

@@ -13,6 +13,7 @@ mod mass;
 mod plants;
 mod progress;
 mod session;
+mod shard;
 mod sweep;
 mod world;
 
@@ -21,6 +22,7 @@ pub use mass::{Mass, directions, mass};
 pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};
 pub use progress::{Progress, Silent};
 pub use session::{Frame, Owner, Session, SessionOptions};
+pub use shard::Shard;
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
 pub use world::{StandingTree, World, crown};
 

@@ -154,11 +154,12 @@ enum Recorded {
 }
 
 /// What one frame showed and cost.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Frame {
     /// Its number.
     pub frame: u32,
-    /// The picture.
+    /// The picture. Not serialized, and empty where the frame was read.
+    #[serde(skip, default = "no_image")]
     pub image: Image,
     /// The picture's digest.
     pub image_digest: Digest,
@@ -172,6 +173,15 @@ pub struct Frame {
     pub ledger: Ledger,
     /// The state of every tree.
     pub states: Vec<State>,
+}
+
+/// The picture of a frame that was read without it.
+fn no_image() -> Image {
+    Image {
+        width: 0,
+        height: 0,
+        rgba: Vec::new(),
+    }
 }
 
 impl<'w> Session<'w> {
@@ -439,6 +449,13 @@ impl<'w> Session<'w> {
         self.draw(frame, change)
     }
 
+    /// Sends the view of a frame, as drawing it would, and drops what was counted.
+    pub(super) fn forget(&mut self, frame: u32) -> Result<(), RunError> {
+        self.set_view(frame)?;
+        self.device.take_ledger();
+        Ok(())
+    }
+
     /// Commits a frame without drawing it and drops what that cost from the ledger.
     ///
     /// # Errors
@@ -446,9 +463,7 @@ impl<'w> Session<'w> {
     /// None on this session's own device.
     pub fn skip(&mut self, frame: u32) -> Result<(), RunError> {
         self.commit(frame)?;
-        self.set_view(frame)?;
-        self.device.take_ledger();
-        Ok(())
+        self.forget(frame)
     }
 
     /// Sends the view of a frame, if it is another than the last.

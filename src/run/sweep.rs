@@ -3,6 +3,7 @@
 use super::RunError;
 use super::progress::Progress;
 use super::session::{Session, SessionOptions};
+use super::shard::Shard;
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
 use crate::math::Digest;
@@ -17,6 +18,21 @@ pub struct Variant {
     pub kind: Kind,
     /// Whether several ranges go in one transfer.
     pub gathered: bool,
+}
+
+/// As its label.
+impl serde::Serialize for Variant {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(&self.label())
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Variant {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let label = String::deserialize(from)?;
+        let unknown = || serde::de::Error::custom(format!("no model is called {label:?}"));
+        Self::labelled(&label).ok_or_else(unknown)
+    }
 }
 
 impl Variant {
@@ -88,6 +104,8 @@ pub struct SweepOptions {
     pub variants: Vec<Variant>,
     /// How many steps there are from 0 to 1, at least 1.
     pub steps: u32,
+    /// Which of them are drawn and counted; the walk goes through all.
+    pub shard: Shard,
     /// Device, picture and counters; the model is each variant's.
     pub session: SessionOptions,
 }
@@ -100,7 +118,7 @@ pub struct Sweep {
 }
 
 /// One model's walk.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SweepModel {
     /// The model.
     pub variant: Variant,
@@ -108,15 +126,17 @@ pub struct SweepModel {
     pub initial: Ledger,
     /// Device memory of the model alone, by label, largest first.
     pub resident: Vec<(String, u64)>,
-    /// Steps `0..=steps`.
+    /// Steps `0..=steps`, as far as they belong to the shard.
     pub steps: Vec<SweepStep>,
 }
 
 /// One step of a walk.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SweepStep {
     /// Which step.
     pub step: u32,
+    /// How many there are from 0 to 1.
+    pub of: u32,
     /// Leaves shown.
     pub leaves: u64,
     /// Triangles shown.
@@ -136,6 +156,12 @@ pub struct SweepStep {
 }
 
 impl SweepStep {
+    /// Where the step stands on the axis of detail: 0 is full detail, 1 the coarsest.
+    #[must_use]
+    pub fn level(&self) -> f64 {
+        f64::from(self.step) / f64::from(self.of.max(1))
+    }
+
     /// Modelled time of a frame: uploads, then fetches, then the card.
     #[must_use]
     pub fn frame_ticks(&self) -> Option<Ticks> {
@@ -247,6 +273,10 @@ fn walk(
         };
         let states: Vec<State> = world.trees.iter().map(state).collect();
         let change = session.commit_states(&states)?;
+        if !options.shard.draws(step) {
+            session.forget(0)?;
+            continue;
+        }
         let frame = session.draw(0, change)?;
         let (leaf_area, folded_leaves) = match variant.kind.has_levels() {
             true => measures[step as usize],
@@ -254,6 +284,7 @@ fn walk(
         };
         steps.push(SweepStep {
             step,
+            of: options.steps,
             leaves: frame.leaves,
             triangles: frame.triangles,
             change,

@@ -19,6 +19,7 @@ mod raster;
 mod report;
 mod scene;
 mod selftest;
+mod shards;
 mod shrinking;
 mod simplify_props;
 mod support;

@@ -34,13 +34,15 @@ use self::ops::OpsWriter;
 use self::page::{Links, Thumbnails, run_page};
 use self::trace::Trace;
 use super::growing::GrowingFile;
+use super::shard::{RunShard, RunShare};
 use super::{Layer, OutputFolder, Picture, ReportError, csv_row, encode_exr};
 use crate::gpu::{Card, Ledger, Link, nanoseconds};
 use crate::math::Digest;
 use crate::run::{Frame, PlantFiles};
 
 /// What was run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RunHeader {
     /// The scene's name.
     pub scene: String,
@@ -79,6 +81,7 @@ pub struct RunFolder {
     trace: Trace,
     thumbnails: Thumbnails,
     links: Links,
+    shard: Option<RunShard>,
     folder: OutputFolder,
 }
 
@@ -113,8 +116,26 @@ impl RunFolder {
             trace,
             thumbnails: Thumbnails::new(),
             links: Links::new(),
+            shard: None,
             folder,
         })
+    }
+
+    /// Says that the frames to come are a share of the run's: all that is counted of them is also
+    /// written to `shard.jsonl`, so that [`merge`](super::merge) can join the shares.
+    ///
+    /// # Errors
+    ///
+    /// When a file cannot be written.
+    pub fn share(&mut self, share: &RunShare) -> Result<(), ReportError> {
+        let shard = RunShard::create(&self.folder, (&self.header, &self.initial), share)?;
+        self.shard = Some(shard);
+        Ok(())
+    }
+
+    /// Where the files lie until the end.
+    pub(super) fn folder(&self) -> &OutputFolder {
+        &self.folder
     }
 
     /// Writes copies of the files that the plants come from, to which the resolved scene refers: with
@@ -145,6 +166,9 @@ impl RunFolder {
         self.folder
             .write(&format!("frame-{number:04}.png"), &picture.to_png()?)?;
         self.thumbnails.add(number, &picture)?;
+        if let Some(shard) = &mut self.shard {
+            shard.add(frame)?;
+        }
 
         let entry = LedgerEntry::of(frame);
         let comma = if self.rows.is_empty() { "" } else { "," };
@@ -189,6 +213,9 @@ impl RunFolder {
         self.timeline.add(Trace::closing())?;
         for file in [self.ledger, self.transfers, self.ops, self.timeline] {
             file.finish()?;
+        }
+        if let Some(shard) = self.shard {
+            shard.finish()?;
         }
         let page = run_page(
             &self.header,

@@ -27,7 +27,8 @@ use crate::run::{Sweep, SweepModel, SweepStep};
 pub const SWEEP_SCHEMA: &str = "spinney.sweep/1";
 
 /// What was walked.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SweepHeader {
     /// The scene's name.
     pub scene: String,
@@ -68,10 +69,10 @@ struct Shown {
 }
 
 impl StepEntry {
-    fn of(step: &SweepStep, level: f64) -> Self {
+    fn of(step: &SweepStep) -> Self {
         let ledger = &step.ledger;
         Self {
-            level: Some(level),
+            level: Some(step.level()),
             leaves: step.leaves,
             triangles: step.triangles,
             collapses: u64::from(step.change.collapses),
@@ -117,14 +118,7 @@ impl StepEntry {
 
 /// The steps with their place on the axis of detail.
 fn entries(model: &SweepModel) -> Vec<StepEntry> {
-    let entry = |step| StepEntry::of(step, level(model, step));
-    model.steps.iter().map(entry).collect()
-}
-
-/// Where a step stands: 0 is full detail, 1 the coarsest.
-fn level(model: &SweepModel, step: &SweepStep) -> f64 {
-    let last = model.steps.last().map_or(1, |last| last.step.max(1));
-    f64::from(step.step) / f64::from(last)
+    model.steps.iter().map(StepEntry::of).collect()
 }
 
 /// `sweep.json`: one step a line. The sums of the steps are sums of what the file says of them.
@@ -197,7 +191,7 @@ pub fn sweep_csv(sweep: &Sweep) -> String {
 }
 
 fn csv_cells(model: &SweepModel, step: &SweepStep) -> Vec<Cell> {
-    let entry = StepEntry::of(step, level(model, step));
+    let entry = StepEntry::of(step);
     let number = |value| Cell::Number { value, digits: 6 };
     let maybe = |count: Option<u64>| count.map_or(Cell::Missing, Cell::Count);
     let traffic = |traffic: TrafficEntry| {
@@ -212,7 +206,7 @@ fn csv_cells(model: &SweepModel, step: &SweepStep) -> Vec<Cell> {
     let mut cells = vec![
         Cell::Text(model.variant.label()),
         Cell::Count(u64::from(step.step)),
-        number(level(model, step)),
+        number(step.level()),
     ];
     cells.extend(
         [

@@ -1,6 +1,6 @@
 //! The curves of a walk along the axis of detail.
 
-use super::{changes, level};
+use super::changes;
 use crate::gpu::nanoseconds;
 use crate::report::{Axis, Plot, Scale, Series};
 use crate::run::{Sweep, SweepModel, SweepStep};
@@ -79,7 +79,7 @@ fn lines(sweep: &Sweep, values: impl Fn(&SweepModel) -> Streams) -> Vec<Series> 
             Series {
                 name,
                 points: steps
-                    .map(|(step, value)| [level(model, step), value as f64])
+                    .map(|(step, value)| [step.level(), value as f64])
                     .collect(),
             }
         };
@@ -118,7 +118,7 @@ fn cumulated(model: &SweepModel) -> Streams {
 /// One line a model.
 fn by_step(sweep: &Sweep, value: impl Fn(&SweepStep) -> f64) -> Vec<Series> {
     let line = |model: &SweepModel| {
-        let point = |step| [level(model, step), value(step)];
+        let point = |step: &SweepStep| [step.level(), value(step)];
         Series {
             name: model.variant.label(),
             points: model.steps.iter().map(point).collect(),

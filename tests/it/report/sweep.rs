@@ -7,7 +7,7 @@ use spinney::report::{
     Accounting, OutputFolder, PrintedSize, StorageReport, SweepHeader, storage_report, sweep_notes,
     sweep_table, sweep_text, write_sweep,
 };
-use spinney::run::{Silent, Sweep, SweepOptions, Variant, sweep};
+use spinney::run::{Shard, Silent, Sweep, SweepOptions, Variant, sweep};
 
 use super::{assert_self_contained, files, keys_in_order, options, read, scene, words, world};
 use crate::support::{OPTIONS, random_crown};
@@ -25,6 +25,7 @@ pub(super) fn tiny_sweep() -> Sweep {
     let options = SweepOptions {
         variants: Variant::ALL.to_vec(),
         steps: 4,
+        shard: Shard::WHOLE,
         session: options(&scene),
     };
     sweep(&scene, &world(), &options, &Silent).expect("memory suffices")

@@ -1,0 +1,44 @@
+//! A share of the work, for several processes or machines.
+
+/// Every `count`-th frame or step from the `index`-th on. All are selected and committed in every
+/// shard, and those of the shard are drawn, so that what is drawn never depends on the sharding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Shard {
+    /// Which, from 0.
+    pub index: u32,
+    /// Of how many, above `index`.
+    pub count: u32,
+}
+
+impl Shard {
+    /// The one shard that is everything.
+    pub const WHOLE: Self = Self { index: 0, count: 1 };
+
+    /// Whether a frame or step belongs to this shard.
+    #[must_use]
+    pub fn draws(self, number: u32) -> bool {
+        number % self.count.max(1) == self.index
+    }
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{}/{}", self.index, self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_belongs_to_one_shard() {
+        for count in 1..6 {
+            let shards = || (0..count).map(|index| Shard { index, count });
+            for number in 0..20 {
+                assert_eq!(shards().filter(|shard| shard.draws(number)).count(), 1);
+            }
+        }
+        assert!((0..9).all(|number| Shard::WHOLE.draws(number)));
+    }
+}

@@ -1,0 +1,180 @@
+//! What several processes drew, joined, is what one draws: byte for byte.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SCENE: &str = r#"schema = "spinney.scene/1"
+size = [96, 64]
+frames = 6
+
+[[tree]]
+species = "below/shrub.toml"
+
+[[tree]]
+species = "below/shrub.toml"
+seed = 2
+at = [1.5, 0.0, -1.0]
+
+[camera]
+path = [
+    { frame = 0, eye = [0.0, 1.2, 3.0], target = [0.4, 0.9, 0.0] },
+    { frame = 5, eye = [2.0, 1.2, 9.0], target = [0.4, 0.9, 0.0] },
+]
+
+[model]
+mode = "slots"
+detail = "variable"
+d_min = 2.0
+d_max = 9.0
+"#;
+
+/// A folder with the scene and its species.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let species = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let species = species.join("scenes/species/pistacia_lentiscus.toml");
+    let species = std::fs::read_to_string(species).expect("the shipped species");
+    let fewer = species
+        .replace("leaf_count = 5594", "leaf_count = 300")
+        .replace("stop_leaves = 90", "stop_leaves = 9");
+    std::fs::create_dir(folder.path().join("below")).expect("writable");
+    std::fs::write(folder.path().join("below/shrub.toml"), fewer).expect("writable");
+    std::fs::write(folder.path().join("scene.toml"), SCENE).expect("writable");
+    folder
+}
+
+fn spinney(folder: &Path, arguments: &str) -> Output {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_spinney"));
+    program.current_dir(folder).args(arguments.split(' '));
+    program.output().expect("the program starts")
+}
+
+/// Runs the program, which must succeed; answers what it prints.
+fn done(folder: &Path, arguments: &str) -> String {
+    let output = spinney(folder, arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments}: {said}");
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// Runs the program, which must refuse its input; answers what it says.
+fn refused(folder: &Path, arguments: &str) -> String {
+    let output = spinney(folder, arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments}");
+    String::from_utf8(output.stderr).expect("text")
+}
+
+/// Every file below a folder with what it holds, and every folder.
+fn contents(folder: &Path, prefix: &str, found: &mut BTreeMap<String, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("readable").path();
+        let name = path.file_name().expect("named").to_string_lossy();
+        let name = format!("{prefix}{name}");
+        if path.is_dir() {
+            contents(&path, &format!("{name}/"), found);
+            found.insert(name + "/", Vec::new());
+        } else {
+            found.insert(name, std::fs::read(path).expect("readable"));
+        }
+    }
+}
+
+fn assert_same(one: &Path, other: &Path) {
+    let [mut ours, mut theirs] = [BTreeMap::new(), BTreeMap::new()];
+    contents(one, "", &mut ours);
+    contents(other, "", &mut theirs);
+    let names = |found: &BTreeMap<String, Vec<u8>>| found.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&ours), names(&theirs), "files and folders");
+    for (name, bytes) in &ours {
+        assert!(*bytes == theirs[name], "{name} differs");
+    }
+}
+
+#[test]
+fn joined_shards_of_a_run_are_the_run() {
+    let folder = folder();
+    let folder = folder.path();
+    let run = "run scene.toml --frames 1..6 --layers --counters exact";
+    let whole = done(folder, &format!("{run} -o whole"));
+    for shard in 0..3 {
+        done(folder, &format!("{run} -o s{shard} --shard {shard}/3"));
+    }
+    // In any order.
+    let joined = done(folder, "merge s2 s0 s1 -o joined");
+    assert_same(&folder.join("whole"), &folder.join("joined"));
+    assert_eq!(joined.replace("joined", "whole"), whole);
+    // More shards than frames: some draw nothing.
+    let run = "run scene.toml --frames 4..5";
+    done(folder, &format!("{run} -o whole"));
+    done(folder, &format!("{run} -o s0 --shard 0/2"));
+    done(folder, &format!("{run} -o s1 --shard 1/2"));
+    done(folder, "merge s0 s1 -o joined");
+    assert_same(&folder.join("whole"), &folder.join("joined"));
+}
+
+#[test]
+fn joined_shards_of_a_sweep_are_the_sweep() {
+    let folder = folder();
+    let folder = folder.path();
+    let sweep = "sweep scene.toml --steps 4 --models vdf-host,lodf-slots-gathered,lodf-stamps";
+    done(folder, &format!("{sweep} -o whole"));
+    for shard in 0..2 {
+        done(folder, &format!("{sweep} -o s{shard} --shard {shard}/2"));
+    }
+    done(folder, "merge s0 s1 -o joined");
+    assert_same(&folder.join("whole"), &folder.join("joined"));
+    // More shards than steps: one draws nothing.
+    for shard in 0..6 {
+        done(folder, &format!("{sweep} -o s{shard} --shard {shard}/6"));
+    }
+    done(folder, "merge s0 s1 s2 s3 s4 s5 -o joined");
+    assert_same(&folder.join("whole"), &folder.join("joined"));
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let run = "run scene.toml --frames 0..2";
+    done(folder, &format!("{run} -o whole"));
+    done(folder, &format!("{run} -o s0 --shard 0/2"));
+    done(folder, &format!("{run} -o s1 --shard 1/2"));
+    done(folder, &format!("{run} -o far --shard 1/2 --size 90x64"));
+    let said = refused(folder, "merge s0 whole -o joined");
+    assert!(said.contains("whole: holds no shard.jsonl"), "{said}");
+    let said = refused(folder, "merge s0 -o joined");
+    assert!(said.contains("s0: shard 1/2 is missing"), "{said}");
+    let said = refused(folder, "merge s1 -o joined");
+    assert!(said.contains("s1: shard 0/2 is missing"), "{said}");
+    let said = refused(folder, "merge s0 s0 -o joined");
+    assert!(said.contains("s0: shard 0/2 is there twice"), "{said}");
+    let said = refused(folder, "merge s0 far -o joined");
+    assert!(
+        said.contains("from another scene or with other flags"),
+        "{said}"
+    );
+    std::fs::copy(
+        folder.join("s0/frame-0000.png"),
+        folder.join("s1/frame-0001.png"),
+    )
+    .expect("writable");
+    let said = refused(folder, "merge s0 s1 -o joined");
+    assert!(
+        said.contains("frame-0001.png: the picture has digest"),
+        "{said}"
+    );
+    let path = folder.join("s0/shard.jsonl");
+    let text = std::fs::read_to_string(&path).expect("text");
+    for length in [0, 10, text.len() - 1] {
+        std::fs::write(&path, &text[..length]).expect("writable");
+        let said = refused(folder, "merge s0 s1 -o joined");
+        assert!(said.contains("shard.jsonl"), "{said}");
+    }
+    let more = text + "{}\n";
+    std::fs::write(&path, more).expect("writable");
+    done(folder, &format!("{run} -o s1 --shard 1/2"));
+    let said = refused(folder, "merge s0 s1 -o joined");
+    assert!(said.contains("shard.jsonl:3: more lines"), "{said}");
+    assert!(!folder.join("joined").exists());
+}
