@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::leaf::LeafProgram;
-use super::mesh::MeshProgram;
+use super::trunk::MeshProgram;
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Device, GpuError, ProgramId, Queue, Residency, Step, Usage,
 };

@@ -24,6 +24,8 @@
 //!
 //! **Invariant.** A model reaches the device only through [`Queue`], so its ledger is complete by
 //! construction; no model names `raster`.
+//!
+//! Trunks are models of the same form: [`TrunkModel`], with a [`TrunkLevel`] for a state.
 
 mod crown;
 mod environment;
@@ -31,10 +33,10 @@ mod full;
 mod leaf;
 mod leaf_list;
 mod lodf;
-mod mesh;
 mod select;
 mod state;
 mod surface;
+mod trunk;
 mod vdf;
 
 use std::sync::Arc;
@@ -42,10 +44,10 @@ use std::sync::Arc;
 pub use crown::Crown;
 pub use environment::{Environment, Placement, View};
 pub use lodf::{Extraction, Gather};
-pub use mesh::{TRUNK_GROUP, Trunk};
 pub use select::{Criterion, Extent, level, select};
 pub use state::State;
 pub use surface::LEAF_GROUP;
+pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel};
 
 use crate::gpu::{Device, GpuError, Queue, Step};
 
@@ -79,8 +81,8 @@ pub trait Model: Send + Sync + std::fmt::Debug {
     fn storage(&self) -> Storage;
 }
 
-/// What all instances of a model share on a device.
-pub trait Shared: std::fmt::Debug {
+/// What all instances of a model share on a device, with levels of detail told by `S`.
+pub trait Shared<S = State>: std::fmt::Debug {
     /// Makes an instance in a state: sends what it alone holds, as if it had always been there.
     /// `number` names its placement and is the second part of its key.
     ///
@@ -90,22 +92,22 @@ pub trait Shared: std::fmt::Debug {
     fn instance(
         &self,
         device: &mut Device,
-        state: &State,
+        state: &S,
         number: u32,
-    ) -> Result<Box<dyn Resident>, GpuError>;
+    ) -> Result<Box<dyn Resident<S>>, GpuError>;
 }
 
-/// One instance on a device.
-pub trait Resident: std::fmt::Debug {
+/// One instance on a device, with levels of detail told by `S`.
+pub trait Resident<S = State>: std::fmt::Debug {
     /// What it shows.
-    fn state(&self) -> &State;
+    fn state(&self) -> &S;
 
     /// Goes over to another state, sending what differs.
     ///
     /// # Errors
     ///
     /// None on the device that it lives on.
-    fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError>;
+    fn commit(&mut self, queue: &mut Queue<'_>, to: &S) -> Result<Change, GpuError>;
 
     /// Adds the steps that draw it.
     fn draw(&self, steps: &mut Vec<Step>);

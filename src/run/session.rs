@@ -1,5 +1,7 @@
 //! A scene on a device, frame by frame.
 
+use std::sync::Arc;
+
 use super::RunError;
 use super::world::World;
 use crate::gpu::{
@@ -9,7 +11,7 @@ use crate::gpu::{
 use crate::math::{Digest, Vec4, whole_u32};
 use crate::models::{
     Change, Criterion, Environment, Extent, Extraction, Gather, Kind, LEAF_GROUP, ModelOptions,
-    Resident, Shared, State, Trunk, View, select,
+    Resident, Shared, State, Trunk, TrunkKind, TrunkLevel, View, select,
 };
 use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
 use crate::scene::{self, DetailKind, ImageSize, SampleCount, Scene};
@@ -113,7 +115,8 @@ pub struct Session<'w> {
     device: Device,
     environment: Environment,
     target: TargetId,
-    trunks: Vec<Option<Trunk>>,
+    /// The trunk of every tree that has one.
+    trunks: Vec<Option<Box<dyn Resident<TrunkLevel>>>>,
     residents: Vec<Box<dyn Resident>>,
     initial: Ledger,
     view: Option<View>,
@@ -243,9 +246,10 @@ impl<'w> Session<'w> {
         let mut trunks = Vec::new();
         let mut shared: Vec<Box<dyn Shared>> = Vec::new();
         for (number, crown) in world.crowns.iter().enumerate() {
-            let trunk = crown.plant().trunk();
-            let trunk = trunk.map(|mesh| Trunk::upload(&mut device, &environment, mesh));
-            trunks.push(trunk.transpose()?);
+            let trunk = Trunk::of(crown.plant()).map(Arc::new);
+            let model = trunk.map(|trunk| TrunkKind::Full.model(&trunk));
+            let uploaded = model.map(|model| model.upload(&mut device, &environment));
+            trunks.push(uploaded.transpose()?);
             let model = options.kind.model(crown, options.model);
             shared.push(model.upload(&mut device, &environment)?);
             owners.claim(&device, Owner::Plant(number));
@@ -258,7 +262,7 @@ impl<'w> Session<'w> {
             device,
             environment,
             target,
-            trunks,
+            trunks: Vec::new(),
             residents: Vec::new(),
             initial: Ledger::default(),
             view: None,
@@ -267,6 +271,10 @@ impl<'w> Session<'w> {
         let states = session.select(0);
         for ((number, tree), state) in (0..).zip(&world.trees).zip(&states) {
             environment.place(&mut session.device.queue(), number, &tree.placement)?;
+            let trunk = trunks[tree.crown].as_ref();
+            let trunk =
+                trunk.map(|trunk| trunk.instance(&mut session.device, &TrunkLevel::FINEST, number));
+            session.trunks.push(trunk.transpose()?);
             let resident = shared[tree.crown].instance(&mut session.device, state, number)?;
             session.residents.push(resident);
             session.owners.claim(&session.device, Owner::Tree(number));
@@ -412,9 +420,9 @@ impl<'w> Session<'w> {
     /// The pass that draws all trees as they are committed.
     fn pass(&self) -> RenderPass {
         let mut steps = Vec::new();
-        for ((number, tree), resident) in (0..).zip(&self.world.trees).zip(&self.residents) {
-            if let Some(trunk) = &self.trunks[tree.crown] {
-                trunk.draw(number, &mut steps);
+        for (trunk, resident) in self.trunks.iter().zip(&self.residents) {
+            if let Some(trunk) = trunk {
+                trunk.draw(&mut steps);
             }
             resident.draw(&mut steps);
         }

@@ -16,9 +16,11 @@ pub use crate::raster::Image as Picture;
 ///
 /// Resources are numbered by their place in [`resources`](Self::resources): the same ones in the same
 /// order for the model's whole life, and for every model of the same history.
-pub trait DeviceModel {
+///
+/// `S` tells its levels of detail; foliage has [`State`]s.
+pub trait DeviceModel<S = State> {
     /// Goes over to another state, sending what differs.
-    fn commit(&mut self, to: &State);
+    fn commit(&mut self, to: &S);
 
     /// All that lies on the device, or is pulled from host memory by draws.
     fn resources(&self) -> Vec<Resource<'_>>;
@@ -134,10 +136,10 @@ pub struct Itemised {
 /// # Errors
 ///
 /// The first law that is broken, with the step.
-pub fn check_device_model<M: DeviceModel>(
-    start: &State,
-    states: &[State],
-    build: impl Fn(&State) -> M,
+pub fn check_device_model<S, M: DeviceModel<S>>(
+    start: &S,
+    states: &[S],
+    build: impl Fn(&S) -> M,
     tally: &mut Tally,
 ) -> Result<(), Violation> {
     let mut walked = build(start);
@@ -161,9 +163,9 @@ pub fn check_device_model<M: DeviceModel>(
 /// # Errors
 ///
 /// The first law that is broken.
-pub fn check_end(
-    walked: &mut dyn DeviceModel,
-    fresh: &mut dyn DeviceModel,
+pub fn check_end<S>(
+    walked: &mut dyn DeviceModel<S>,
+    fresh: &mut dyn DeviceModel<S>,
     reference: Option<&Picture>,
     tally: &mut Tally,
 ) -> Result<(), Violation> {

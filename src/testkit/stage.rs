@@ -7,7 +7,9 @@ use crate::gpu::{
     Share, Stream, TargetDescriptor, TargetId,
 };
 use crate::math::{Mat4, Vec3, Vec4, index_usize};
-use crate::models::{Environment, Model, Placement, Resident, State, View};
+use crate::models::{
+    Environment, Model, Placement, Resident, Shared, State, TrunkLevel, TrunkModel, View,
+};
 use crate::raster::{Counters, Options, Samples, TileSize};
 
 /// A device with one instance of a model, seen from in front.
@@ -15,13 +17,13 @@ use crate::raster::{Counters, Options, Samples, TileSize};
 /// The view looks along −z at the cube from (−1.4, −1.4, −3) to (1.4, 1.4, 0), in parallel. Writes
 /// are recorded from the start.
 #[derive(Debug)]
-pub struct Stage {
+pub struct Stage<S = State> {
     /// The device.
     pub device: Device,
     /// What is drawn into.
     pub target: TargetId,
     /// The instance.
-    pub resident: Box<dyn Resident>,
+    pub resident: Box<dyn Resident<S>>,
     /// What [`DeviceModel::counted`] took from the device so far.
     counted: Ledger,
     contents: Contents,
@@ -53,6 +55,45 @@ impl Stage {
         state: &State,
         side: u32,
     ) -> Result<Self, GpuError> {
+        let upload =
+            |device: &mut Device, environment: &Environment| model.upload(device, environment);
+        Self::with(descriptor, upload, state, side)
+    }
+
+    /// The same with another resident, made of this one.
+    pub(super) fn wrapped(self, wrap: impl FnOnce(Box<dyn Resident>) -> Box<dyn Resident>) -> Self {
+        Self {
+            resident: wrap(self.resident),
+            ..self
+        }
+    }
+}
+
+impl Stage<TrunkLevel> {
+    /// The same with a trunk.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`].
+    pub fn of_trunk(
+        descriptor: DeviceDescriptor,
+        model: &dyn TrunkModel,
+        level: TrunkLevel,
+        side: u32,
+    ) -> Result<Self, GpuError> {
+        let upload =
+            |device: &mut Device, environment: &Environment| model.upload(device, environment);
+        Self::with(descriptor, upload, &level, side)
+    }
+}
+
+impl<S> Stage<S> {
+    fn with(
+        descriptor: DeviceDescriptor,
+        upload: impl FnOnce(&mut Device, &Environment) -> Result<Box<dyn Shared<S>>, GpuError>,
+        state: &S,
+        side: u32,
+    ) -> Result<Self, GpuError> {
         let mut device = Device::new(descriptor);
         device.record();
         let environment = Environment::new(&mut device, 1)?;
@@ -65,7 +106,7 @@ impl Stage {
         };
         environment.set_view(&mut device.queue(), &view)?;
         environment.place(&mut device.queue(), 0, &Placement::IDENTITY)?;
-        let shared = model.upload(&mut device, &environment)?;
+        let shared = upload(&mut device, &environment)?;
         let resident = shared.instance(&mut device, state, 0)?;
         let target = device.create_target(&TargetDescriptor {
             label: "frame",
@@ -80,14 +121,6 @@ impl Stage {
             resident,
             counted: Ledger::default(),
         })
-    }
-
-    /// The same with another resident, made of this one.
-    pub(super) fn wrapped(self, wrap: impl FnOnce(Box<dyn Resident>) -> Box<dyn Resident>) -> Self {
-        Self {
-            resident: wrap(self.resident),
-            ..self
-        }
     }
 
     fn draw(&mut self) -> Picture {
@@ -123,8 +156,8 @@ impl Stage {
     }
 }
 
-impl DeviceModel for Stage {
-    fn commit(&mut self, to: &State) {
+impl<S> DeviceModel<S> for Stage<S> {
+    fn commit(&mut self, to: &S) {
         self.resident
             .commit(&mut self.device.queue(), to)
             .expect("a resident's own device");

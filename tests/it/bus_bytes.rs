@@ -10,7 +10,9 @@ use spinney::gpu::{
     nanoseconds,
 };
 use spinney::math::{Vec2, Vec3, Vec4, index_usize};
-use spinney::models::{Crown, Environment, Gather, Kind, ModelOptions, Placement, State, Trunk};
+use spinney::models::{
+    Crown, Environment, Gather, Kind, ModelOptions, Placement, State, Trunk, TrunkKind, TrunkLevel,
+};
 use spinney::plant::{Foliage, Material, Mesh, Plant, Texture};
 use spinney::raster::Samples;
 
@@ -419,7 +421,11 @@ fn trunks_cost_what_their_mesh_holds() {
             indices: vec![0, 1, 2, 2, 1, 3],
             material: material(bark.map(|(width, height)| texture(width, height)), 0.0),
         };
-        let trunk = Trunk::upload(&mut device, &environment, &mesh).expect("memory suffices");
+        let plant = Plant::new("trunk", None, Some(mesh), Foliage::default()).expect("sound parts");
+        let trunk = Arc::new(Trunk::of(&Arc::new(plant)).expect("it has one"));
+        let model = TrunkKind::Full.model(&trunk);
+        let shared = model.upload(&mut device, &environment);
+        let shared = shared.expect("memory suffices");
         let levels = bark.map_or_else(Vec::new, |(w, h)| mip_bytes(w, h));
         let ledger = device.take_ledger();
         let bytes = 32 * 4 + 4 * 6 + 16 + levels.iter().sum::<u64>();
@@ -435,7 +441,8 @@ fn trunks_cost_what_their_mesh_holds() {
             })
             .expect("memory suffices");
         let mut steps = Vec::new();
-        trunk.draw(0, &mut steps);
+        let resident = shared.instance(&mut device, &TrunkLevel::FINEST, 0);
+        resident.expect("memory suffices").draw(&mut steps);
         let pass = RenderPass {
             label: "trunk".to_owned(),
             target,

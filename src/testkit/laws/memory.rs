@@ -15,9 +15,9 @@ use crate::math::index_usize;
 /// # Errors
 ///
 /// The first byte that differs.
-pub fn residency(
-    walked: &mut dyn DeviceModel,
-    fresh: &mut dyn DeviceModel,
+pub fn residency<S>(
+    walked: &mut dyn DeviceModel<S>,
+    fresh: &mut dyn DeviceModel<S>,
 ) -> Result<(), Violation> {
     let law = Law::Residency;
     let reads = fresh.reads();
@@ -130,7 +130,7 @@ fn hex(bytes: &[u8]) -> String {
 /// `reads` knows. Dead bytes may hold anything; a model in which they matter is then seen.
 ///
 /// A model may rely on dead bytes for its next change of detail, so this ends a walk.
-pub fn poison_dead_bytes(model: &mut dyn DeviceModel, reads: &Reads) {
+pub fn poison_dead_bytes<S>(model: &mut dyn DeviceModel<S>, reads: &Reads) {
     let mut read = reads.ranges.clone();
     read.sort_by_key(|(resource, range)| (*resource, range.start));
     let sizes: Vec<Option<usize>> = model
@@ -167,7 +167,7 @@ pub fn poison_dead_bytes(model: &mut dyn DeviceModel, reads: &Reads) {
 /// # Errors
 ///
 /// The first change that does not fit its resource, byte that differs, or sum that does.
-pub fn conservation(model: &mut dyn DeviceModel) -> Result<(), Violation> {
+pub fn conservation<S>(model: &mut dyn DeviceModel<S>) -> Result<(), Violation> {
     let counted = model.counted();
     match model.log() {
         Some(log) => conservation_of(&model.resources(), &log, counted.as_ref()),
@@ -296,9 +296,9 @@ fn replay(memory: &mut [Vec<u8>], change: Change<'_>) -> Option<()> {
 /// # Errors
 ///
 /// The first pixel that differs.
-pub fn image_equality(
-    walked: &mut dyn DeviceModel,
-    fresh: &mut dyn DeviceModel,
+pub fn image_equality<S>(
+    walked: &mut dyn DeviceModel<S>,
+    fresh: &mut dyn DeviceModel<S>,
     reference: Option<&Picture>,
 ) -> Result<(), Violation> {
     let Some(anew) = fresh.picture() else {

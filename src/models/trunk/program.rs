@@ -1,114 +1,21 @@
-//! The trunk: a plain mesh, the same at every level.
+//! The program that draws trunks: textured triangles, lit by interpolated normals.
 
-use super::environment::{Environment, INSTANCE_SLOT, Placement, VIEW_SLOT, View};
-use super::surface::{filled, upload_texture};
 use crate::gpu::{
-    Bindings, Blend, BufferId, Cause, Corners, Device, Draw, Fragment, Geometry, GpuError, Kernel,
-    Layout, MipMap, Pixel, Program, Step, TextureId, Topology, Usage, VertexCall, Wrap,
+    Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
+    VertexCall, Wrap,
 };
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
-use crate::plant::Mesh;
-
-/// First part of the key of everything that shows a trunk.
-pub const TRUNK_GROUP: u32 = 0;
+use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
 
 /// Bytes of one vertex: position, normal (3 × `f32` each), texture coordinate (2 × `f32`).
 const VERTEX_BYTES: u32 = 32;
 
-const CAUSE: Cause = Cause::of("trunk");
-const SURFACE_SLOT: u32 = 2;
-
-/// A trunk on the device.
-#[derive(Debug, Clone)]
-pub struct Trunk {
-    environment: Environment,
-    vertices: BufferId,
-    indices: BufferId,
-    surface: BufferId,
-    texture: Option<TextureId>,
-    corner_count: u32,
-}
-
-impl Trunk {
-    /// Sends a trunk to the device, under the cause `trunk`.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::OutOfMemory`].
-    pub fn upload(
-        device: &mut Device,
-        environment: &Environment,
-        mesh: &Mesh,
-    ) -> Result<Self, GpuError> {
-        let vertices: Vec<u8> = (0..mesh.positions.len())
-            .flat_map(|vertex| {
-                let (position, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
-                let coordinate = mesh.texture_coordinates[vertex];
-                [position.to_array(), normal.to_array()]
-                    .concat()
-                    .into_iter()
-                    .chain(coordinate.to_array())
-            })
-            .flat_map(f32::to_le_bytes)
-            .collect();
-        let indices: Vec<u8> = mesh
-            .indices
-            .iter()
-            .flat_map(|index| index.to_le_bytes())
-            .collect();
-        let color = mesh.material.base_color;
-        let words = [color[0], color[1], color[2], mesh.material.alpha_cutoff];
-        let surface: Vec<u8> = words.into_iter().flat_map(f32::to_le_bytes).collect();
-        let mut make = |label, usage, bytes: &[u8]| filled(device, label, usage, bytes, CAUSE);
-        Ok(Self {
-            environment: *environment,
-            vertices: make("trunk vertices", Usage::VERTEX, &vertices)?,
-            indices: make("trunk indices", Usage::INDEX, &indices)?,
-            surface: make("trunk surface", Usage::STORAGE, &surface)?,
-            texture: match &mesh.material.texture {
-                None => None,
-                Some(texture) => {
-                    let cutoff = mesh.material.alpha_cutoff;
-                    Some(upload_texture(
-                        device,
-                        "trunk texture",
-                        texture,
-                        cutoff,
-                        CAUSE,
-                    )?)
-                }
-            },
-            corner_count: index_u32(mesh.indices.len()),
-        })
-    }
-
-    /// Draws the trunk of one instance.
-    pub fn draw(&self, instance: u32, steps: &mut Vec<Step>) {
-        steps.extend(self.environment.bind(self.environment.mesh));
-        steps.push(Step::Vertices(self.vertices));
-        steps.push(Step::Indices(self.indices));
-        steps.push(Step::Storage {
-            slot: SURFACE_SLOT,
-            buffer: self.surface,
-        });
-        if let Some(texture) = self.texture {
-            steps.push(Step::Texture { slot: 0, texture });
-        } else {
-            steps.push(Step::NoTexture { slot: 0 });
-        }
-        steps.push(Step::Draw(Draw {
-            source: Corners::Indexed,
-            first_corner: 0,
-            corner_count: self.corner_count,
-            instance,
-            group: TRUNK_GROUP,
-        }));
-    }
-}
+/// The slot of colour (3 × `f32`) and alpha cutoff (`f32`).
+pub(super) const SURFACE_SLOT: u32 = 2;
 
 /// The program that draws meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct MeshProgram;
+pub(in crate::models) struct MeshProgram;
 
 impl Program for MeshProgram {
     fn layout(&self) -> Layout {

@@ -1,0 +1,90 @@
+//! A trunk's vertices and material: the same for every model of trunks.
+
+use super::program::SURFACE_SLOT;
+use crate::gpu::{
+    BufferDescriptor, BufferId, Cause, Device, GpuError, Residency, Step, TextureId, Usage,
+};
+use crate::models::Environment;
+use crate::models::surface::{filled, upload_texture};
+use crate::plant::Mesh;
+
+/// Why what a trunk begins with is sent.
+pub(super) const TRUNK: Cause = Cause::of("trunk");
+
+/// The vertices of a mesh, in the order of `order`, as they lie on the device.
+///
+/// Position, normal (3 × `f32` each), texture coordinate (2 × `f32`): 32 bytes a vertex.
+pub(super) fn vertex_bytes(mesh: &Mesh, order: impl Iterator<Item = usize>) -> Vec<u8> {
+    let floats = order.flat_map(|vertex| {
+        let (position, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
+        let [x, y, z] = position.to_array();
+        let [nx, ny, nz] = normal.to_array();
+        let [u, v] = mesh.texture_coordinates[vertex].to_array();
+        [x, y, z, nx, ny, nz, u, v]
+    });
+    floats.flat_map(f32::to_le_bytes).collect()
+}
+
+/// Makes the buffer of vertices, where `residency` says, and sends them.
+pub(super) fn upload_vertices(
+    device: &mut Device,
+    bytes: &[u8],
+    residency: Residency,
+) -> Result<BufferId, GpuError> {
+    let vertices = device.create_buffer(&BufferDescriptor {
+        label: "trunk vertices",
+        size: bytes.len() as u64,
+        usage: Usage::VERTEX,
+        residency,
+    })?;
+    device.queue().write(vertices, 0, bytes, TRUNK)?;
+    Ok(vertices)
+}
+
+/// What a trunk looks like, on the device.
+#[derive(Debug, Clone)]
+pub(super) struct Surface {
+    environment: Environment,
+    constants: BufferId,
+    texture: Option<TextureId>,
+}
+
+impl Surface {
+    pub(super) fn upload(
+        device: &mut Device,
+        environment: &Environment,
+        mesh: &Mesh,
+    ) -> Result<Self, GpuError> {
+        let material = &mesh.material;
+        let [red, green, blue, _] = material.base_color;
+        let words = [red, green, blue, material.alpha_cutoff];
+        let bytes: Vec<u8> = words.into_iter().flat_map(f32::to_le_bytes).collect();
+        let constants = filled(device, "trunk surface", Usage::STORAGE, &bytes, TRUNK)?;
+        let cutoff = material.alpha_cutoff;
+        let texture = material.texture.as_ref();
+        let texture = texture
+            .map(|texture| upload_texture(device, "trunk texture", texture, cutoff, TRUNK))
+            .transpose()?;
+        Ok(Self {
+            environment: *environment,
+            constants,
+            texture,
+        })
+    }
+
+    /// Binds what a trunk is drawn with.
+    pub(super) fn bind(&self, vertices: BufferId, indices: BufferId) -> Vec<Step> {
+        let mut steps = self.environment.bind(self.environment.mesh).to_vec();
+        steps.push(Step::Vertices(vertices));
+        steps.push(Step::Indices(indices));
+        steps.push(Step::Storage {
+            slot: SURFACE_SLOT,
+            buffer: self.constants,
+        });
+        steps.push(match self.texture {
+            Some(texture) => Step::Texture { slot: 0, texture },
+            None => Step::NoTexture { slot: 0 },
+        });
+        steps
+    }
+}
