@@ -44,7 +44,7 @@ use std::sync::Arc;
 pub use crown::Crown;
 pub use environment::{Environment, Placement, View};
 pub use lodf::{Extraction, Gather};
-pub use select::{Criterion, Extent, level, select};
+pub use select::{Apportionment, Criterion, Extent, apportion, level, select};
 pub use state::State;
 pub use surface::LEAF_GROUP;
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel};

@@ -1,7 +1,7 @@
 //! From the viewer's distance to the number of leaves: the papers' criteria.
 
-use super::{Crown, State};
-use crate::math::{Vec3, index_u32, index_usize, whole_u32};
+use super::super::{Crown, State};
+use crate::math::{Vec3, whole_u32};
 
 /// Between which distances detail falls, and whether over the whole crown or cluster by cluster.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,20 +59,9 @@ pub fn select(crown: &Crown, criterion: Criterion, eye: Vec3) -> State {
     }
 }
 
-/// The state at a point of the axis of detail: 0 is full detail, 1 the coarsest; step `i` of `N` equal
-/// ones stands at `floor(i · C / N)` collapses.
-#[must_use]
-pub fn level(crown: &Crown, step: u32, steps: u32) -> State {
-    let all = u64::from(crown.sequence().collapse_count());
-    let collapses = u64::from(step.min(steps)) * all / u64::from(steps.max(1));
-    State::Uniform {
-        collapses: index_u32(index_usize(collapses)),
-    }
-}
-
 /// The number of leaves at a distance: `most` up to `nearest`, `least` from `farthest` on, linear
 /// between, in such steps that the first leaf goes only when the law has lost a whole one.
-fn leaf_count(criterion: Criterion, distance: f32, most: u32, least: u32) -> u32 {
+pub(super) fn leaf_count(criterion: Criterion, distance: f32, most: u32, least: u32) -> u32 {
     let (nearest, farthest) = (f64::from(criterion.nearest), f64::from(criterion.farthest));
     let share = ((f64::from(distance) - nearest) / (farthest - nearest)).clamp(0.0, 1.0);
     most - whole_u32(share * f64::from(most - least))

@@ -1,0 +1,21 @@
+//! Points of the axis of detail.
+
+use super::super::{Crown, State};
+use crate::math::{index_u32, index_usize};
+
+/// The state at a point of the axis of detail: 0 is full detail, 1 the coarsest; step `i` of `N` equal
+/// ones stands at `floor(i · C / N)` collapses.
+#[must_use]
+pub fn level(crown: &Crown, step: u32, steps: u32) -> State {
+    State::Uniform {
+        collapses: collapses_at(crown, step, steps),
+    }
+}
+
+/// `floor(i · C / N)`.
+fn collapses_at(crown: &Crown, step: u32, steps: u32) -> u32 {
+    let all = u64::from(crown.sequence().collapse_count());
+    index_u32(index_usize(
+        u64::from(step.min(steps)) * all / u64::from(steps.max(1)),
+    ))
+}
