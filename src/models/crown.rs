@@ -1,7 +1,8 @@
 //! What every foliage model is built from: leaves, their collapses, and the clusters.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use super::LeafErrors;
 use crate::math::{Aabb, Vec3};
 use crate::plant::Plant;
 use crate::simplify::{Clusters, CollapseSequence};
@@ -13,8 +14,10 @@ pub struct Crown {
     vertices: Vec<Vec3>,
     sequence: CollapseSequence,
     clusters: Clusters,
+    cluster_bounds: Vec<Aabb>,
     cluster_centers: Vec<Vec3>,
-    center: Vec3,
+    bounds: Aabb,
+    errors: OnceLock<LeafErrors>,
 }
 
 impl Crown {
@@ -32,25 +35,26 @@ impl Crown {
             "the sequence is over the plant's quad leaves"
         );
         let clusters = Clusters::of(&sequence);
-        let mut bounds = vec![Aabb::EMPTY; clusters.clusters.len()];
+        let mut cluster_bounds = vec![Aabb::EMPTY; clusters.clusters.len()];
         for (corners, &cluster) in sequence.corners().iter().zip(&clusters.cluster_of_leaf) {
-            let bounds = &mut bounds[cluster as usize];
+            let bounds = &mut cluster_bounds[cluster as usize];
             for &vertex in corners {
                 *bounds = bounds.with(vertices[vertex as usize]);
             }
         }
-        let cluster_centers = bounds.iter().map(Aabb::center).collect();
-        let center = bounds
+        let cluster_centers = cluster_bounds.iter().map(Aabb::center).collect();
+        let bounds = cluster_bounds
             .iter()
-            .fold(Aabb::EMPTY, |all, one| all.union(*one))
-            .center();
+            .fold(Aabb::EMPTY, |all, one| all.union(*one));
         Self {
             plant,
             vertices,
             sequence,
             clusters,
+            cluster_bounds,
             cluster_centers,
-            center,
+            bounds,
+            errors: OnceLock::new(),
         }
     }
 
@@ -84,10 +88,30 @@ impl Crown {
         &self.cluster_centers
     }
 
+    /// The box of each cluster's leaves, old and new, in the plant's space: of the originals alone,
+    /// since new leaves take their corners from them.
+    #[must_use]
+    pub fn cluster_bounds(&self) -> &[Aabb] {
+        &self.cluster_bounds
+    }
+
+    /// The box around all leaves, in the plant's space.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
     /// The centre of the box around all leaves, in the plant's space.
     #[must_use]
     pub fn center(&self) -> Vec3 {
-        self.center
+        self.bounds.center()
+    }
+
+    /// How far collapsed leaves lie from the originals; found when it is asked for first.
+    #[must_use]
+    pub fn errors(&self) -> &LeafErrors {
+        let errors = || LeafErrors::of(&self.vertices, &self.sequence, &self.clusters);
+        self.errors.get_or_init(errors)
     }
 
     /// The bytes of one leaf record: four vertex indices in the order of corner roles, 16 bytes,

@@ -29,6 +29,7 @@
 
 mod crown;
 mod environment;
+mod errors;
 mod full;
 mod leaf;
 mod leaf_list;
@@ -43,6 +44,7 @@ use std::sync::Arc;
 
 pub use crown::Crown;
 pub use environment::{Environment, Placement, View};
+pub use errors::LeafErrors;
 pub use lodf::{Extraction, Gather};
 pub use select::{Apportionment, Criterion, Extent, apportion, level, select};
 pub use state::State;
