@@ -76,7 +76,9 @@ pub(super) fn operations(ledger: &Ledger, session: &Session<'_>) -> Vec<Operatio
                 offset,
                 bytes,
             } => Some((*resource, *offset, bytes.clone())),
-            RecordingEntry::Copy { .. } | RecordingEntry::Clear { .. } => None,
+            RecordingEntry::Copy { .. }
+            | RecordingEntry::Computed { .. }
+            | RecordingEntry::Clear { .. } => None,
         });
     let operation = |transfer: &Transfer| {
         let count = match transfer.stream {

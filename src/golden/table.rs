@@ -50,6 +50,16 @@ pub(super) fn table(frame: &Frame, context: &Context) -> String {
     ] {
         line(&mut text, name, &[count]);
     }
+    let compute = ledger.compute;
+    if compute.dispatches > 0 {
+        for (name, count) in [
+            ("dispatches", compute.dispatches),
+            ("compute groups", compute.groups),
+            ("compute bytes", compute.bytes),
+        ] {
+            line(&mut text, name, &[count]);
+        }
+    }
     if let (Some(work), Some(ticks)) = (ledger.work, ledger.gpu_ticks) {
         for (name, count) in [
             ("covered samples", work.covered),

@@ -53,6 +53,16 @@ pub enum RecordingEntry {
         /// How many.
         size: u64,
     },
+    /// Bytes that a compute pass wrote, from the first that it changed to the last: a change within
+    /// the device that crosses no bus.
+    Computed {
+        /// Where.
+        buffer: BufferId,
+        /// The first byte.
+        offset: u64,
+        /// The bytes.
+        bytes: Vec<u8>,
+    },
     /// Bytes set to zero within the device.
     Clear {
         /// Where.

@@ -5,6 +5,11 @@
 //! rate, bytes ÷ memory bandwidth. Bytes are 4 per index, the vertex bytes, 4 B of depth read a
 //! covered sample, and 8 B of depth and colour written a visible one. Rates are published peak
 //! figures and frozen; a triangle a clock is taken for set-up.
+//!
+//! For every dispatch of a compute pass, the larger of two costs counts: arithmetic operations ÷ the
+//! rate of its cores (one operation a core and clock; a multiply-add is one), and bytes that groups
+//! read and write ÷ memory bandwidth. Cards before Direct3D 11 have no compute passes. The GTX 770
+//! has 1536 cores at 1046 MHz.
 
 use super::Ticks;
 use crate::gpu::TICKS_PER_NANOSECOND;
@@ -23,6 +28,17 @@ pub struct Card {
     texels: u64,
     /// Megabytes a second to its memory.
     memory: u64,
+    /// Millions of arithmetic operations a second in compute passes, of cards that run them.
+    operations: Option<u64>,
+}
+
+/// What one dispatch did, as far as its time depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DispatchWork {
+    /// Arithmetic operations.
+    pub operations: u64,
+    /// Bytes read and written.
+    pub bytes: u64,
 }
 
 /// What one draw did, as far as its time depends on it.
@@ -67,6 +83,7 @@ impl Card {
             samples: 3900,
             texels: 3900,
             memory: 22_400,
+            operations: None,
         },
         Self {
             name: "geforce6800gt",
@@ -75,6 +92,7 @@ impl Card {
             samples: 5600,
             texels: 5600,
             memory: 32_000,
+            operations: None,
         },
         Self {
             name: "fx5200",
@@ -83,6 +101,7 @@ impl Card {
             samples: 1000,
             texels: 1000,
             memory: 6400,
+            operations: None,
         },
         Self {
             name: "gtx770",
@@ -91,6 +110,7 @@ impl Card {
             samples: 33_500,
             texels: 133_900,
             memory: 224_300,
+            operations: Some(1_606_656),
         },
     ];
 
@@ -118,11 +138,29 @@ impl Card {
             (bytes, self.memory),
         ]
         .into_iter()
-        // A million a second is one a thousand nanoseconds.
-        .map(|(count, rate)| (count * 1000 * TICKS_PER_NANOSECOND).div_ceil(rate))
+        .map(|(count, rate)| ticks_at(count, rate))
         .max()
         .unwrap_or(0)
     }
+
+    /// Whether it runs compute passes.
+    #[must_use]
+    pub fn computes(&self) -> bool {
+        self.operations.is_some()
+    }
+
+    /// How long one dispatch takes; nothing on a card that runs none.
+    #[must_use]
+    pub fn dispatch_ticks(&self, work: &DispatchWork) -> Ticks {
+        self.operations.map_or(0, |rate| {
+            ticks_at(work.operations, rate).max(ticks_at(work.bytes, self.memory))
+        })
+    }
+}
+
+/// How long a count takes at a rate in millions a second: one in a thousand nanoseconds.
+fn ticks_at(count: u64, rate: u64) -> Ticks {
+    (count * 1000 * TICKS_PER_NANOSECOND).div_ceil(rate)
 }
 
 #[cfg(test)]
@@ -144,5 +182,16 @@ mod tests {
         };
         assert_eq!(card.ticks(&fill), 2_000_000 * TICKS_PER_NANOSECOND);
         assert_eq!(card.ticks(&DrawWork::default()), 0);
+    }
+
+    #[test]
+    fn a_dispatch_takes_its_arithmetic_or_its_bytes() {
+        let card = Card::named("gtx770").expect("a named card");
+        let work = |operations, bytes| card.dispatch_ticks(&DispatchWork { operations, bytes });
+        let millisecond = 1_000_000 * TICKS_PER_NANOSECOND;
+        assert_eq!(work(1_606_656_000, 224_300_000), millisecond);
+        assert_eq!(work(1_606_656_000, 448_600_000), 2 * millisecond);
+        let old = Card::named("geforce6800").expect("a named card");
+        assert!(card.computes() && !old.computes());
     }
 }

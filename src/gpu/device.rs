@@ -5,12 +5,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::bus::{Bus, Recording};
+use super::compute::ComputeProgram;
 use super::program::Program;
 use super::reads::ReadSet;
 use super::resource::{Buffer, TargetSlot, TextureSlot};
 use super::{
-    BufferDescriptor, BufferId, Card, GpuError, Ledger, Link, ProgramId, Queue, RenderPass,
-    Residency, TargetDescriptor, TargetId, TextureDescriptor, TextureId,
+    BufferDescriptor, BufferId, Card, ComputeProgramId, GpuError, Ledger, Link, ProgramId, Queue,
+    RenderPass, Residency, TargetDescriptor, TargetId, TextureDescriptor, TextureId,
 };
 use crate::limits;
 use crate::math::{index_u32, index_usize};
@@ -37,6 +38,7 @@ pub struct Device {
     pub(super) textures: Vec<TextureSlot>,
     pub(super) targets: Vec<Option<TargetSlot>>,
     pub(super) programs: Vec<Arc<dyn Program>>,
+    pub(super) compute_programs: Vec<Arc<dyn ComputeProgram>>,
     pub(super) bus: Bus,
     pub(super) reads: Option<ReadSet>,
     resident: u64,
@@ -55,6 +57,7 @@ impl Device {
             textures: Vec::new(),
             targets: Vec::new(),
             programs: Vec::new(),
+            compute_programs: Vec::new(),
             bus: Bus::new(descriptor.link),
             reads: None,
             resident: 0,
@@ -190,6 +193,32 @@ impl Device {
     pub fn create_program(&mut self, program: Arc<dyn Program>) -> ProgramId {
         self.programs.push(program);
         ProgramId(index_u32(self.programs.len() - 1))
+    }
+
+    /// Registers a compute program.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::NoCompute`] on a card without compute passes, [`GpuError::Descriptor`] for a
+    /// layout that nothing can be done with.
+    pub fn create_compute_program(
+        &mut self,
+        program: Arc<dyn ComputeProgram>,
+    ) -> Result<ComputeProgramId, GpuError> {
+        if !self.descriptor.card.computes() {
+            return Err(GpuError::NoCompute {
+                card: self.descriptor.card.name().to_owned(),
+                others: Card::ALL
+                    .iter()
+                    .filter(|card| card.computes())
+                    .map(|card| format!("{:?}", card.name()))
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            });
+        }
+        program.layout().check()?;
+        self.compute_programs.push(program);
+        Ok(ComputeProgramId(index_u32(self.compute_programs.len() - 1)))
     }
 
     /// Hands out what a target shows: scan-out, outside the bus.
@@ -398,6 +427,12 @@ impl Device {
         let range = self.buffer(id)?.range(offset, size, what)?;
         let slot = self.buffers.get_mut(id.0 as usize).and_then(Option::as_mut);
         Ok(&mut slot.expect("the line above found it").bytes[range])
+    }
+
+    /// The bytes of a living buffer.
+    pub(super) fn bytes_mut(&mut self, id: BufferId) -> Option<&mut Vec<u8>> {
+        let slot = self.buffers.get_mut(id.0 as usize)?.as_mut()?;
+        Some(&mut slot.bytes)
     }
 
     fn allocate(&mut self, label: &str, bytes: u64) -> Result<(), GpuError> {

@@ -95,6 +95,14 @@ pub enum GpuError {
         /// Corners a primitive.
         wanted: u32,
     },
+    /// A card is asked for compute passes that has none.
+    #[error("card {card:?} runs no compute passes; these do: {others}")]
+    NoCompute {
+        /// The card.
+        card: String,
+        /// The cards that do.
+        others: String,
+    },
     /// Part of the format, but not executed by this version.
     #[error("{what} is not supported by this version")]
     Unsupported {

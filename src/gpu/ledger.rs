@@ -119,6 +119,26 @@ pub struct WorkCounts {
     pub texels: u64,
 }
 
+/// What compute passes did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ComputeCounts {
+    /// Dispatches.
+    pub dispatches: u64,
+    /// Groups that ran.
+    pub groups: u64,
+    /// Bytes that groups read and wrote in device memory.
+    pub bytes: u64,
+}
+
+impl ComputeCounts {
+    /// Adds what others did.
+    pub fn add(&mut self, other: &Self) {
+        self.dispatches += other.dispatches;
+        self.groups += other.groups;
+        self.bytes += other.bytes;
+    }
+}
+
 /// Everything counted between two calls of
 /// [`Device::take_ledger`](super::Device::take_ledger).
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -139,6 +159,8 @@ pub struct Ledger {
     pub primitives: u64,
     /// Samples that show something drawn by these passes.
     pub visible_samples: u64,
+    /// What compute passes did: the same for any number of threads.
+    pub compute: ComputeCounts,
     /// Device memory in use when the ledger was taken.
     pub resident_bytes: u64,
     /// The most device memory in use so far.
@@ -185,6 +207,7 @@ impl Ledger {
         self.vertices += other.vertices;
         self.primitives += other.primitives;
         self.visible_samples += other.visible_samples;
+        self.compute.add(&other.compute);
         self.resident_bytes = self.resident_bytes.max(other.resident_bytes);
         self.peak_bytes = self.peak_bytes.max(other.peak_bytes);
         for (cause, share) in &other.by_cause {

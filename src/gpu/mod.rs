@@ -5,8 +5,9 @@
 //!  host ═════════════════▶ Queue ══▶ Bus ══▶ buffers      ▲
 //!                            │       │ counts   textures  │
 //!                          submit    ▼             │    targets
-//!                            └──▶ passes ──▶ vertex stage ──▶ raster
-//!                                    └──▶ Ledger: upload | fetch | readback | command
+//!                            ├──▶ passes ──▶ vertex stage ──▶ raster
+//!                            ├──▶ compute passes ──▶ groups, each with bytes of its own
+//!                            └──▶ Ledger: upload | fetch | readback | command
 //! ```
 //!
 //! It speaks like wgpu, synchronously. Four streams are counted apart and never added: `upload`,
@@ -15,15 +16,18 @@
 //! [`Command`]'s module). Payload is a fact; wire bytes and times are a model of a [`Link`].
 //!
 //! **Invariant.** Device memory changes only through [`Queue`], and `Queue` goes through the bus:
-//! replaying the recorded writes into zeroed arrays gives what the device holds, and their lengths
-//! add up to the ledger. (The one exception, [`Device::poison`], exists to test that.)
+//! replaying the recorded changes into zeroed arrays gives what the device holds, and the lengths of
+//! the writes among them add up to the ledger. What a compute pass wrote is recorded as bytes too, so
+//! that replaying needs no program; it crosses no bus and is no write. (The one exception, [`Device::poison`], exists to test that.)
 //!
 //! This stage has never heard of a tree.
 
 mod assemble;
 mod bus;
 mod card;
+mod compute;
 mod device;
+mod dispatch;
 mod error;
 mod execute;
 mod ledger;
@@ -42,19 +46,20 @@ pub use crate::raster::{
 /// What a pixel is asked, and what it answers.
 pub use crate::raster::{Image, Key, ProbedFragment, Target};
 pub use bus::{Recording, RecordingEntry, ResourceId};
-pub use card::{Card, DrawWork};
+pub use card::{Card, DispatchWork, DrawWork};
+pub use compute::{Access, ComputeLayout, ComputeProgram, Group};
 pub use device::{Device, DeviceDescriptor};
 pub use error::GpuError;
-pub use ledger::{Cause, Ledger, Share, Stream, Traffic, Transfer, WorkCounts};
+pub use ledger::{Cause, ComputeCounts, Ledger, Share, Stream, Traffic, Transfer, WorkCounts};
 pub use link::{Link, TICKS_PER_NANOSECOND, Ticks, nanoseconds};
 pub use pass::{
-    Command, ComputePass, Corners, Draw, DrawFromCounter, DrawIndirect, IndirectRecord, Load,
-    RenderPass, Step,
+    Command, ComputePass, ComputeStep, Corners, Draw, DrawFromCounter, DrawIndirect,
+    IndirectRecord, Load, RenderPass, Step,
 };
 pub use program::{Bindings, Layout, MAX_SLOTS, Program, VertexCall, Words};
 pub use queue::{Queue, Region};
 pub use reads::{Fetched, ReadSet};
 pub use resource::{
-    BufferDescriptor, BufferId, ProgramId, Residency, TargetDescriptor, TargetId,
+    BufferDescriptor, BufferId, ComputeProgramId, ProgramId, Residency, TargetDescriptor, TargetId,
     TextureDescriptor, TextureId, Usage,
 };

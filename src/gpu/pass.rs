@@ -12,7 +12,7 @@
 //! | clear a buffer | 24 |
 //! | dispatch | 16 |
 
-use super::{BufferId, ProgramId, TargetId, TextureId};
+use super::{BufferId, ComputeProgramId, ProgramId, TargetId, TextureId};
 use crate::math::Vec4;
 
 /// A command of the device.
@@ -42,7 +42,7 @@ pub enum Command {
         /// How many bytes.
         size: u64,
     },
-    /// Runs a program over buffers.
+    /// Runs compute programs over buffers.
     Compute(ComputePass),
 }
 
@@ -211,21 +211,37 @@ impl IndirectRecord {
     }
 }
 
-/// A program run over buffers; part of the format, not executed by this version.
+/// Runs compute programs over buffers, on cards that can.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ComputePass {
     /// A name for reports.
     pub label: String,
-    /// The program.
-    pub program: ProgramId,
-    /// The buffers that it reads and writes, by slot.
-    pub storage: Vec<BufferId>,
-    /// How many work groups along each axis.
-    pub groups: [u32; 3],
+    /// What to do, in order; bindings hold until they are replaced.
+    pub steps: Vec<ComputeStep>,
+}
+
+/// A step of a compute pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ComputeStep {
+    /// Chooses the program.
+    Program(ComputeProgramId),
+    /// Sets a buffer that the program reads or writes; it must be device-resident.
+    Storage {
+        /// The program's slot.
+        slot: u32,
+        /// The buffer.
+        buffer: BufferId,
+    },
+    /// Runs the program.
+    Dispatch {
+        /// How many groups, each of which must own something of every slot that is written.
+        groups: u32,
+    },
 }
 
 pub(super) const BIND_BYTES: u64 = 8;
 pub(super) const DRAW_BYTES: u64 = 20;
 pub(super) const INDIRECT_BYTES: u64 = 8;
 pub(super) const PASS_BYTES: u64 = 24;
+pub(super) const DISPATCH_BYTES: u64 = 16;
 pub(super) const CLEAR_BYTES: u64 = 24;

@@ -3,7 +3,7 @@
 use super::bus::{Part, RecordingEntry, ResourceId};
 use super::ledger::{Cause, Stream};
 use super::pass::Command;
-use super::{BufferId, Device, GpuError, Residency, TextureId, Usage, execute};
+use super::{BufferId, Device, GpuError, Residency, TextureId, Usage, dispatch, execute};
 
 /// The queue of a device.
 #[derive(Debug)]
@@ -215,10 +215,7 @@ impl<'d> Queue<'d> {
                         size: *size,
                     });
                 }
-                Command::Compute(_) => {
-                    let what = "a compute pass".to_owned();
-                    return Err(GpuError::Unsupported { what });
-                }
+                Command::Compute(pass) => dispatch::compute(self.device, pass)?,
             }
         }
         Ok(())

@@ -6,10 +6,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::BufferId;
 
-/// Bytes read by draws, in words of four, by buffer; and what was pulled from host memory.
+/// Bytes read by draws and compute passes, in words of four, by buffer; and what was pulled from host
+/// memory. A word that a compute pass wrote before it was read does not count: what it held when
+/// tracking began makes no difference.
 #[derive(Debug, Default)]
 pub struct ReadSet {
     words: BTreeMap<BufferId, Vec<AtomicU64>>,
+    /// Words that a compute pass wrote.
+    overwritten: BTreeMap<BufferId, Vec<AtomicU64>>,
     /// What draws pulled from host-resident buffers, a primitive an entry.
     pub fetched: Vec<Fetched>,
 }
@@ -29,19 +33,39 @@ pub struct Fetched {
 
 impl ReadSet {
     pub(super) fn watch(&mut self, buffer: BufferId, bytes: usize) {
-        self.words.entry(buffer).or_insert_with(|| {
-            (0..bytes.div_ceil(256))
-                .map(|_| AtomicU64::new(0))
-                .collect()
-        });
+        for sets in [&mut self.words, &mut self.overwritten] {
+            sets.entry(buffer).or_insert_with(|| {
+                (0..bytes.div_ceil(256))
+                    .map(|_| AtomicU64::new(0))
+                    .collect()
+            });
+        }
+    }
+
+    /// Notes that a compute pass wrote whole words.
+    pub(super) fn overwrite(&self, buffer: BufferId, range: Range<usize>) {
+        let Some(words) = self.overwritten.get(&buffer) else {
+            return;
+        };
+        for word in range.start / 4..range.end / 4 {
+            if let Some(bits) = words.get(word / 64) {
+                bits.fetch_or(1 << (word % 64), Ordering::Relaxed);
+            }
+        }
     }
 
     pub(super) fn mark(&self, buffer: BufferId, range: Range<usize>) {
-        let Some(words) = self.words.get(&buffer) else {
+        let (Some(words), Some(overwritten)) =
+            (self.words.get(&buffer), self.overwritten.get(&buffer))
+        else {
             return;
         };
         for word in range.start / 4..range.end.div_ceil(4) {
-            if let Some(bits) = words.get(word / 64) {
+            let (Some(bits), Some(gone)) = (words.get(word / 64), overwritten.get(word / 64))
+            else {
+                continue;
+            };
+            if gone.load(Ordering::Relaxed) >> (word % 64) & 1 == 0 {
                 bits.fetch_or(1 << (word % 64), Ordering::Relaxed);
             }
         }

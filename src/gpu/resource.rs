@@ -28,6 +28,8 @@ handles! {
     TargetId;
     /// A program registered on one device.
     ProgramId;
+    /// A compute program registered on one device.
+    ComputeProgramId;
 }
 
 /// What a buffer may be used for; combine with `|`.

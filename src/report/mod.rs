@@ -46,9 +46,9 @@ pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
 pub use number::{decimal, grouped};
 pub use plot::{Plot, Series};
 pub use run::{
-    FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, LEDGER_SCHEMA, LedgerEntry, LedgerHead,
-    NO_NUMBER, OpsReader, RunFolder, RunHeader, RunLedger, ShareEntry, TrafficEntry, WorkEntry,
-    frame_layers, run_notes, run_table,
+    ComputeEntry, FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, LEDGER_SCHEMA, LedgerEntry,
+    LedgerHead, NO_NUMBER, OpsReader, RunFolder, RunHeader, RunLedger, ShareEntry, TrafficEntry,
+    WorkEntry, frame_layers, run_notes, run_table,
 };
 pub use shard::{Merged, RunShare, SHARD_SCHEMA, merge, write_sweep_shard};
 pub use storage::{

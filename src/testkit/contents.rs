@@ -97,6 +97,15 @@ impl Contents {
                 at: *destination_offset,
                 size: *size,
             },
+            RecordingEntry::Computed {
+                buffer,
+                offset,
+                bytes,
+            } => Change::Computed {
+                resource: self.number(ResourceId::Buffer(*buffer)),
+                at: *offset,
+                bytes,
+            },
             RecordingEntry::Clear {
                 buffer,
                 offset,

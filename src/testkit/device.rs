@@ -96,6 +96,15 @@ pub enum Change<'a> {
         /// How many.
         size: u64,
     },
+    /// Bytes that the device computed and wrote within itself: no traffic.
+    Computed {
+        /// Where.
+        resource: usize,
+        /// The first byte.
+        at: u64,
+        /// The bytes.
+        bytes: &'a [u8],
+    },
     /// Bytes set to zero within the device.
     Clear {
         /// Where.

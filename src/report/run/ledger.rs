@@ -105,6 +105,9 @@ pub struct LedgerEntry {
     pub by_cause: BTreeMap<String, ShareEntry>,
     /// Shares of all streams by label.
     pub by_buffer: BTreeMap<String, ShareEntry>,
+    /// What compute passes did, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compute: Option<ComputeEntry>,
     /// Under exact counters: the rasterizer's work, in samples and texels.
     pub work: Option<WorkEntry>,
     /// Under exact counters: modelled time on the card.
@@ -131,6 +134,17 @@ pub struct ShareEntry {
     pub transfers: u64,
     /// Bytes asked for.
     pub payload_bytes: u64,
+}
+
+/// What compute passes did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ComputeEntry {
+    /// Dispatches.
+    pub dispatches: u64,
+    /// Groups that ran.
+    pub groups: u64,
+    /// Bytes that groups read and wrote in device memory.
+    pub bytes: u64,
 }
 
 /// What the rasterizer did.
@@ -217,6 +231,11 @@ impl LedgerEntry {
                     .iter()
                     .map(|(l, share)| (l.as_str(), share)),
             ),
+            compute: (ledger.compute.dispatches > 0).then_some(ComputeEntry {
+                dispatches: ledger.compute.dispatches,
+                groups: ledger.compute.groups,
+                bytes: ledger.compute.bytes,
+            }),
             work: ledger.work.map(|work| WorkEntry {
                 covered: work.covered,
                 alpha_killed: work.alpha_killed,
@@ -249,6 +268,12 @@ impl LedgerEntry {
         self.clusters_touched += frame.clusters_touched;
         add_shares(&mut self.by_cause, &frame.by_cause);
         add_shares(&mut self.by_buffer, &frame.by_buffer);
+        if let Some(compute) = frame.compute {
+            let sum = self.compute.get_or_insert_default();
+            sum.dispatches += compute.dispatches;
+            sum.groups += compute.groups;
+            sum.bytes += compute.bytes;
+        }
         if let Some(work) = frame.work {
             let sum = self.work.get_or_insert_default();
             sum.covered += work.covered;

@@ -20,7 +20,8 @@ mod trace;
 
 pub use layers::{NO_NUMBER, frame_layers};
 pub use ledger::{
-    LEDGER_SCHEMA, LedgerEntry, LedgerHead, RunLedger, ShareEntry, TrafficEntry, WorkEntry,
+    ComputeEntry, LEDGER_SCHEMA, LedgerEntry, LedgerHead, RunLedger, ShareEntry, TrafficEntry,
+    WorkEntry,
 };
 pub use ops::OpsReader;
 pub use rows::{FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, run_notes, run_table};

@@ -257,6 +257,11 @@ fn replay(memory: &mut [Vec<u8>], change: Change<'_>) -> Option<()> {
             at,
             bytes,
             ..
+        }
+        | Change::Computed {
+            resource,
+            at,
+            bytes,
         } => {
             let range = range(at, bytes.len() as u64)?;
             memory

@@ -347,16 +347,6 @@ fn draws_that_lack_something_or_do_not_fit_are_refused() {
         let found = bench.refused(|bench| bench.submit(bench.pass(steps.iter().copied())));
         assert_eq!(found, message);
     }
-    let program = bench.pushed;
-    let found = bench.refused(|bench| {
-        bench.submit(Command::Compute(ComputePass {
-            label: "sort".to_owned(),
-            program,
-            storage: Vec::new(),
-            groups: [1; 3],
-        }))
-    });
-    assert_eq!(found, "a compute pass is not supported by this version");
 }
 
 #[test]

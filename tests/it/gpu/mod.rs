@@ -1,6 +1,7 @@
 //! The device keeps its word: what it refuses changes and counts nothing, what it does is counted
 //! once, and where draw arguments lie does not show.
 
+mod compute;
 mod counting;
 mod draws;
 mod handles;
@@ -10,11 +11,11 @@ use std::sync::Arc;
 
 use proptest::prelude::{ProptestConfig, any, prop_assert_eq};
 use spinney::gpu::{
-    Bindings, Blend, BufferDescriptor, BufferId, Cause, Command, ComputePass, Corners, Device,
-    DeviceDescriptor, Draw, DrawFromCounter, DrawIndirect, Fragment, Geometry, GpuError,
-    IndirectRecord, Kernel, Layout, Ledger, Link, Load, Pixel, Program, ProgramId, Recording,
-    Region, RenderPass, Residency, Step, Stream, TargetDescriptor, TargetId, TextureDescriptor,
-    TextureId, Topology, Transfer, Usage, VertexCall,
+    Bindings, Blend, BufferDescriptor, BufferId, Cause, Command, Corners, Device, DeviceDescriptor,
+    Draw, DrawFromCounter, DrawIndirect, Fragment, Geometry, GpuError, IndirectRecord, Kernel,
+    Layout, Ledger, Link, Load, Pixel, Program, ProgramId, Recording, Region, RenderPass,
+    Residency, Step, Stream, TargetDescriptor, TargetId, TextureDescriptor, TextureId, Topology,
+    Transfer, Usage, VertexCall,
 };
 use spinney::math::{Vec4, index_u32};
 use spinney::raster::{Counters, Image, Options, Samples, TileSize};

@@ -1,0 +1,184 @@
+//! Compute programs: what they may read, and which bytes each of their groups owns.
+//!
+//! A group owns a range of every slot that its program writes: `group_bytes` bytes at
+//! `number × group_bytes`, the last one cut at the buffer's end. It may read what it owns, and the
+//! whole of the slots that are only read; it never sees what other groups of the same dispatch
+//! write. So no two groups can write the same byte, and the result depends neither on their order
+//! nor on the number of threads. Dispatches follow one another, each wholly after the one before.
+
+use super::program::{MAX_SLOTS, Words};
+use super::reads::ReadSet;
+use super::{BufferId, GpuError};
+
+/// A program that turns buffers into buffers, with a stable identity. Parameters are bytes in
+/// buffers.
+pub trait ComputeProgram: Send + Sync + std::fmt::Debug {
+    /// What the program is bound to, and what it takes.
+    fn layout(&self) -> ComputeLayout;
+
+    /// Does the work of one group.
+    fn run(&self, group: &mut Group<'_>);
+}
+
+/// What a compute program is bound to, and what it takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ComputeLayout {
+    /// A stable name.
+    pub name: &'static str,
+    /// Counts up when the program computes anything else.
+    pub version: u32,
+    /// How each slot is used, from 0; all of them must be bound, those that are written to buffers
+    /// that no other slot has.
+    pub slots: &'static [Access],
+    /// Arithmetic operations of a group, at most; only the modelled time on the card depends on it.
+    pub group_operations: u32,
+}
+
+/// How a slot is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// Every group may read all of it.
+    Read,
+    /// Every group may read and write what it owns of it.
+    Own {
+        /// Bytes that a group owns: a multiple of 4, above 0.
+        group_bytes: u32,
+    },
+}
+
+impl ComputeLayout {
+    /// Refuses a layout that nothing can be done with.
+    pub(super) fn check(&self) -> Result<(), GpuError> {
+        let refused = |what, found, wanted: &str| GpuError::Descriptor {
+            label: self.name.to_owned(),
+            what,
+            found,
+            wanted: wanted.to_owned(),
+        };
+        let owned = |access: &Access| match *access {
+            Access::Read => None,
+            Access::Own { group_bytes } => Some(group_bytes),
+        };
+        if self.slots.len() > MAX_SLOTS {
+            let wanted = format!("at most {MAX_SLOTS}");
+            return Err(refused("number of slots", self.slots.len() as u64, &wanted));
+        }
+        if !self.slots.iter().any(|access| owned(access).is_some()) {
+            return Err(refused("number of slots that it writes", 0, "at least 1"));
+        }
+        let mut sizes = self.slots.iter().filter_map(owned);
+        match sizes.find(|size| *size == 0 || size % 4 != 0) {
+            Some(size) => Err(refused(
+                "bytes that a group owns",
+                u64::from(size),
+                "a multiple of 4, above 0",
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// One group of a dispatch, with what it may read and write.
+#[derive(Debug)]
+pub struct Group<'a> {
+    pub(super) number: u32,
+    pub(super) slots: Vec<GroupSlot<'a>>,
+    /// Bytes read and written so far.
+    pub(super) bytes: u64,
+}
+
+/// What a group has of a slot.
+#[derive(Debug)]
+pub(super) enum GroupSlot<'a> {
+    /// All of a buffer.
+    All(Words<'a>),
+    /// The bytes that the group owns, and where they begin in their buffer.
+    Own {
+        buffer: BufferId,
+        first: usize,
+        bytes: &'a mut [u8],
+        reads: Option<&'a ReadSet>,
+    },
+}
+
+impl Group<'_> {
+    /// Its number, from 0.
+    #[must_use]
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// How many whole words a slot has: of a slot that is written, those that the group owns.
+    #[must_use]
+    pub fn len(&self, slot: usize) -> usize {
+        match self.slots.get(slot) {
+            None => 0,
+            Some(GroupSlot::All(words)) => words.len(),
+            Some(GroupSlot::Own { bytes, .. }) => bytes.len() / 4,
+        }
+    }
+
+    /// Whether a slot has no word.
+    #[must_use]
+    pub fn is_empty(&self, slot: usize) -> bool {
+        self.len(slot) == 0
+    }
+
+    /// A word of a slot; of a slot that is written, counted from the first that the group owns.
+    /// Reading past the end gives 0.
+    #[must_use]
+    pub fn u32(&mut self, slot: usize, index: usize) -> u32 {
+        self.u32s::<1>(slot, index)[0]
+    }
+
+    /// `N` words from `index` on.
+    #[must_use]
+    pub fn u32s<const N: usize>(&mut self, slot: usize, index: usize) -> [u32; N] {
+        self.bytes += 4 * N as u64;
+        match self.slots.get(slot) {
+            None => [0; N],
+            Some(GroupSlot::All(words)) => words.u32s(index),
+            Some(GroupSlot::Own {
+                buffer,
+                first,
+                bytes,
+                reads,
+            }) => {
+                let end = 4 * (index + N).min(bytes.len() / 4);
+                if let Some(reads) = reads {
+                    reads.mark(*buffer, first + (4 * index).min(end)..first + end);
+                }
+                let words = bytes.as_chunks::<4>().0;
+                let word = |place| words.get(index + place).copied().unwrap_or_default();
+                std::array::from_fn(|place| u32::from_le_bytes(word(place)))
+            }
+        }
+    }
+
+    /// `N` words from `index` on as floats.
+    #[must_use]
+    pub fn f32s<const N: usize>(&mut self, slot: usize, index: usize) -> [f32; N] {
+        self.u32s(slot, index).map(f32::from_bits)
+    }
+
+    /// Writes a word that the group owns, counted from the first; anything else is dropped.
+    pub fn set(&mut self, slot: usize, index: usize, word: u32) {
+        self.bytes += 4;
+        let Some(GroupSlot::Own {
+            buffer,
+            first,
+            bytes,
+            reads,
+        }) = self.slots.get_mut(slot)
+        else {
+            return;
+        };
+        if let Some(four) = bytes.get_mut(4 * index..4 * index + 4) {
+            four.copy_from_slice(&word.to_le_bytes());
+            if let Some(reads) = reads {
+                let from = *first + 4 * index;
+                reads.overwrite(*buffer, from..from + 4);
+            }
+        }
+    }
+}
