@@ -120,7 +120,7 @@ pub struct WorkCounts {
 }
 
 /// What compute passes did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ComputeCounts {
     /// Dispatches.
     pub dispatches: u64,

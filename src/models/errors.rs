@@ -327,11 +327,7 @@ mod tests {
             let vertices: Vec<Vec3> = (0..36)
                 .map(|corner| {
                     let offset = Vec3::new(draws.signed(), draws.signed(), draws.signed());
-                    Vec3::new(
-                        f32::from(corner as u8 / 4 % 3),
-                        f32::from(corner as u8 / 12),
-                        0.0,
-                    ) + 0.6 * offset
+                    Vec3::new((corner / 4 % 3) as f32, (corner / 12) as f32, 0.0) + 0.6 * offset
                 })
                 .collect();
             for ops in [examples::WSCG, examples::FRAMEWORK] {

@@ -178,6 +178,18 @@ pub struct Frame {
     pub states: Vec<State>,
 }
 
+impl Frame {
+    /// Gives a frame that was read its picture back: R, G, B, A of each pixel, row by row from the
+    /// top. Whether it is the frame's own, its digest says.
+    pub fn set_image(&mut self, [width, height]: [u32; 2], rgba: Vec<u8>) {
+        self.image = Image {
+            width,
+            height,
+            rgba,
+        };
+    }
+}
+
 /// The picture of a frame that was read without it.
 fn no_image() -> Image {
     Image {

@@ -27,6 +27,28 @@ impl std::fmt::Display for Shard {
     }
 }
 
+/// Measures as their bits, for `#[serde(with = "exact")]`: JSON's readers may miss the last one.
+pub(super) mod exact {
+    use serde::{Deserialize as _, Deserializer, Serializer};
+
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "serde hands fields over by reference"
+    )]
+    pub(in super::super) fn serialize<S: Serializer>(
+        value: &f64,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        to.serialize_u64(value.to_bits())
+    }
+
+    pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<f64, D::Error> {
+        u64::deserialize(from).map(f64::from_bits)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use super::RunError;
 use super::progress::Progress;
 use super::session::{Session, SessionOptions};
-use super::shard::Shard;
+use super::shard::{Shard, exact};
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
 use crate::math::Digest;
@@ -150,6 +150,7 @@ pub struct SweepStep {
     /// Pixels that show a leaf.
     pub covered_pixels: u64,
     /// The summed area of the leaves shown, in square metres.
+    #[serde(with = "exact")]
     pub leaf_area: f64,
     /// Leaves shown that are folded.
     pub folded_leaves: u64,

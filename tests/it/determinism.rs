@@ -10,6 +10,7 @@ use spinney::math::Digester;
 use spinney::models::{Crown, Kind, State};
 use spinney::plant::{Foliage, Plant};
 use spinney::raster::{Counters, Options, TileSize};
+use spinney::report::LedgerEntry;
 use spinney::run::{Frame, Session, SessionOptions, World};
 use spinney::scene::{SampleCount, Scene};
 
@@ -271,6 +272,15 @@ pictures  cc683e24b8a57f949c1ee365a6fbf21bbebff37776d88aebd68747b2c58ef9bf
 ledgers   ce534f8b536b64923c80af4151b5b7558ba635941148a17dd9137aee35714153
 ";
 
+/// A ledger as files have it: the entry of a frame, then each transfer.
+fn counted(ledger: &Ledger) -> String {
+    let entry = serde_json::to_string(&LedgerEntry::of_ledger(ledger)).expect("texts and numbers");
+    let transfers = ledger.transfers.iter();
+    transfers.fold(entry, |text, transfer| {
+        text + "\n" + &serde_json::to_string(transfer).expect("texts and numbers")
+    })
+}
+
 #[test]
 fn one_run_is_pinned() {
     let (scene, world) = (birch_scene(), birches());
@@ -283,10 +293,15 @@ fn one_run_is_pinned() {
             ..PLAIN
         };
         let mut session = session(&scene, world, kind, SampleCount::Four, options);
-        ledgers.text(&format!("{:?}", session.initial()));
+        ledgers.text(&counted(session.initial()));
         for frame in frames(&mut session, &[0, 2, 6]) {
             pictures.bytes(&frame.image.rgba);
-            ledgers.text(&format!("{:?} {:?}", frame.ledger, frame.change));
+            let change = frame.change;
+            ledgers.text(&counted(&frame.ledger));
+            for count in [change.collapses, change.splits, change.clusters_touched] {
+                ledgers.u32(count);
+            }
+            ledgers.u64(change.host_records);
         }
     }
     let found = format!(

@@ -8,7 +8,6 @@ use super::{Job, StepLine};
 use crate::gpu::Ledger;
 use crate::limits;
 use crate::math::index_u32;
-use crate::raster::Image;
 use crate::report::run::{FrameRow, RunFolder, RunHeader};
 use crate::report::sweep::{SweepHeader, write_sweep};
 use crate::report::{OutputFolder, Picture, ReportError};
@@ -159,11 +158,8 @@ fn merge_run(
         };
         let path = shard.folder.join(format!("frame-{number:04}.png"));
         let picture = Picture::read(&path)?;
-        frame.image = Image {
-            width: picture.width(),
-            height: picture.height(),
-            rgba: picture.rgba().to_vec(),
-        };
+        let size = [picture.width(), picture.height()];
+        frame.set_image(size, picture.rgba().to_vec());
         let (found, wanted) = (frame.image.digest(), frame.image_digest);
         if found != wanted {
             let message = format!("the picture has digest {found}, its frame {wanted}");
