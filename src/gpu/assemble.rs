@@ -17,6 +17,8 @@ pub(super) struct Arguments {
     pub(super) source: Corners,
     pub(super) first_corner: u32,
     pub(super) corner_count: u32,
+    /// What is added to short indices.
+    pub(super) first_vertex: u32,
     pub(super) instance: u32,
     pub(super) group: u32,
 }
@@ -40,7 +42,18 @@ pub(super) fn corners(
                 .map(|four| u32::from_le_bytes(four.try_into().expect("chunks of four bytes")))
                 .collect()
         }
-        (Corners::Indexed, None) => Vec::new(),
+        (Corners::Short, Some(buffer)) => {
+            let range = buffer.range(2 * u64::from(first), 2 * u64::from(count), "draw")?;
+            let indices = buffer.bytes[range].as_chunks::<2>().0.iter();
+            indices
+                .map(|two| {
+                    let index = u32::from(u16::from_le_bytes(*two));
+                    // What is past the last number lies in no buffer either.
+                    index.saturating_add(arguments.first_vertex)
+                })
+                .collect()
+        }
+        (Corners::Indexed | Corners::Short, None) => Vec::new(),
         (Corners::Counted, _) => {
             if let (Some((buffer, stride)), Some(last)) = (vertices, count.checked_sub(1)) {
                 // Before corners are listed that may be too many to list.
@@ -64,14 +77,15 @@ pub(super) fn corners(
 
 /// What a draw pulls from host memory: bytes of indices, bytes of vertices.
 pub(super) fn fetched_bytes(
+    source: Corners,
     corners: &[u32],
     indices: Option<&Buffer>,
     vertices: Option<(&Buffer, u32)>,
 ) -> (u64, u64) {
     let on_host = |buffer: &Buffer| buffer.residency == Residency::Host;
-    let index_bytes = indices
-        .filter(|buffer| on_host(buffer))
-        .map_or(0, |_| 4 * corners.len() as u64);
+    let index_bytes = indices.filter(|buffer| on_host(buffer)).map_or(0, |_| {
+        u64::from(source.index_bytes()) * corners.len() as u64
+    });
     let vertex_bytes = vertices
         .filter(|(buffer, _)| on_host(buffer))
         .map_or(0, |(_, stride)| u64::from(stride) * cache_misses(corners));
@@ -94,7 +108,7 @@ fn cache_misses(corners: &[u32]) -> u64 {
     misses
 }
 
-/// What each primitive of a draw pulls from host memory.
+/// What each primitive of a draw pulls from host memory; short indices with what is added to them.
 ///
 /// `key` is the draw's group and instance.
 pub(super) fn fetched(

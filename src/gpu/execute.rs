@@ -5,7 +5,7 @@ use rayon::prelude::{IntoParallelRefIterator as _, ParallelIterator as _};
 use super::assemble::{fetched, fetched_bytes};
 use super::card::DrawWork;
 use super::ledger::{Cause, Ledger, Stream, WorkCounts};
-use super::pass::{Corners, Load, RenderPass};
+use super::pass::{Load, RenderPass};
 use super::plan::{Plan, corners_per_primitive, plan};
 use super::program::{Bindings, VertexCall};
 use super::{Device, GpuError};
@@ -159,10 +159,11 @@ fn watch_reads(device: &mut Device, plan: &Plan) {
         for id in bound {
             reads.watch(id, device.buffer(id).map_or(0, |buffer| buffer.bytes.len()));
         }
-        if let (Corners::Indexed, Some(id)) = (draw.source, state.indices) {
+        if let (1.., Some(id)) = (draw.source.index_bytes(), state.indices) {
             for &(first, count) in &draw.runs {
-                let first = 4 * first as usize;
-                reads.mark(id, first..first + 4 * count as usize);
+                let size = draw.source.index_bytes() as usize;
+                let first = size * first as usize;
+                reads.mark(id, first..first + size * count as usize);
             }
         }
         if let Ok((indices, vertices)) = state.inputs(device, draw.source) {
@@ -203,9 +204,10 @@ fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
         let mut input_bytes = u64::from(layout.pulled_primitive_bytes) * primitives
             + u64::from(layout.pulled_vertex_bytes) * outcome.emitted_vertices;
         if let Ok((indices, inputs)) = draw.state.inputs(device, draw.source) {
-            input_bytes += if indices.is_some() { 4 * vertices } else { 0 };
+            input_bytes += u64::from(draw.source.index_bytes()) * vertices;
             input_bytes += inputs.map_or(0, |(_, stride)| u64::from(stride) * vertices);
-            let (index_bytes, vertex_bytes) = fetched_bytes(&draw.corners, indices, inputs);
+            let (index_bytes, vertex_bytes) =
+                fetched_bytes(draw.source, &draw.corners, indices, inputs);
             for (bytes, buffer) in [(index_bytes, indices), (vertex_bytes, inputs.map(|i| i.0))] {
                 if let (1.., Some(buffer)) = (bytes, buffer) {
                     pulled.push((buffer.label.clone(), bytes));

@@ -109,10 +109,12 @@ pub enum Step {
     DrawFromCounter(DrawFromCounter),
 }
 
-/// A draw whose arguments are in the command; they carry no state of a model.
+/// A draw whose arguments are in the command; they carry no state of a model. To short indices it
+/// adds nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Draw {
-    /// Whether corners are indices from the bound index buffer or count up from the first.
+    /// Whether corners are indices from the bound index buffer, and how wide, or count up from the
+    /// first.
     pub source: Corners,
     /// The first corner.
     pub first_corner: u32,
@@ -129,11 +131,36 @@ pub struct Draw {
 pub enum Corners {
     /// `u32` indices in the bound index buffer.
     Indexed,
+    /// `u16` indices in the bound index buffer, to each of which the draw adds its first vertex.
+    Short,
     /// The numbers from the first corner on.
     Counted,
 }
 
-/// Draws whose arguments lie in a buffer: `count` records of [`IndirectRecord::STRIDE`] bytes.
+impl Corners {
+    /// Bytes of one index; 0 where there are none.
+    #[must_use]
+    pub fn index_bytes(self) -> u32 {
+        match self {
+            Self::Indexed => 4,
+            Self::Short => 2,
+            Self::Counted => 0,
+        }
+    }
+
+    /// Bytes of the arguments of one indirect draw: an [`IndirectRecord`], behind which short indices
+    /// have what is added to them, a `u32`.
+    #[must_use]
+    pub fn record_bytes(self) -> u64 {
+        match self {
+            Self::Indexed | Self::Counted => IndirectRecord::STRIDE,
+            Self::Short => IndirectRecord::STRIDE + 4,
+        }
+    }
+}
+
+/// Draws whose arguments lie in a buffer: `count` records of
+/// [`record_bytes`](Corners::record_bytes) each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DrawIndirect {
     /// Whether corners are indices or count up.

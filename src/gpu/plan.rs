@@ -10,8 +10,8 @@ use super::pass::{
 };
 use super::program::{Bindings, MAX_SLOTS, Program, Words};
 use super::resource::Buffer;
-use super::{BufferId, Device, GpuError, IndirectRecord, Residency, TextureId, Usage};
-use crate::math::index_u32;
+use super::{BufferId, Device, GpuError, Residency, TextureId, Usage};
+use crate::math::{index_u32, index_usize};
 use crate::raster::Topology;
 
 /// A pass with every argument checked.
@@ -75,7 +75,7 @@ impl State {
         };
         let indices = match source {
             Corners::Counted => None,
-            Corners::Indexed => {
+            Corners::Indexed | Corners::Short => {
                 let buffer = device.buffer(self.indices.ok_or_else(|| unbound("index buffer"))?)?;
                 buffer.check_usage(Usage::INDEX)?;
                 Some(buffer)
@@ -191,6 +191,7 @@ pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError>
                     source: draw.source,
                     first_corner: draw.first_corner,
                     corner_count: draw.corner_count,
+                    first_vertex: 0,
                     instance: draw.instance,
                     group: draw.group,
                 }])
@@ -286,14 +287,14 @@ fn indirect_arguments(
 ) -> Result<(Vec<Arguments>, Range<usize>), GpuError> {
     let buffer = device.buffer(draw.arguments)?;
     buffer.check_usage(Usage::INDIRECT)?;
-    let size = IndirectRecord::STRIDE * u64::from(draw.count);
+    let size = draw.source.record_bytes() * u64::from(draw.count);
     let range = buffer.range(draw.offset, size, "indirect draw")?;
     let words: Vec<u32> = buffer.bytes[range.clone()]
         .chunks_exact(4)
         .map(|four| u32::from_le_bytes(four.try_into().expect("chunks of four bytes")))
         .collect();
     let arguments = words
-        .chunks_exact(4)
+        .chunks_exact(index_usize(draw.source.record_bytes() / 4))
         .map(|record| {
             if record[1] > 1 {
                 return Err(GpuError::Unsupported {
@@ -304,6 +305,7 @@ fn indirect_arguments(
                 source: draw.source,
                 first_corner: record[2],
                 corner_count: record[0] * record[1],
+                first_vertex: record.get(4).copied().unwrap_or(0),
                 instance: record[3],
                 group: draw.group,
             })
@@ -330,6 +332,7 @@ fn counter_arguments(
         source: draw.source,
         first_corner: first,
         corner_count: draw.end - first,
+        first_vertex: 0,
         instance: draw.instance,
         group: draw.group,
     };

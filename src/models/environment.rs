@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::leaf::LeafProgram;
+use super::format::LeafFormat;
+use super::leaf::{LeafProgram, LeafSource};
 use super::trunk::MeshProgram;
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Device, GpuError, ProgramId, Queue, Residency, Step, Usage,
@@ -12,8 +13,8 @@ use crate::math::{Mat4, Quat, Vec3};
 /// Programs and buffers that are there once a device.
 #[derive(Debug, Clone, Copy)]
 pub struct Environment {
-    indexed_leaf: ProgramId,
-    stamped_leaf: ProgramId,
+    /// By source, then by format.
+    leaf: [[ProgramId; 4]; 2],
     pub(super) mesh: ProgramId,
     view: BufferId,
     instances: BufferId,
@@ -123,10 +124,10 @@ pub(super) const INSTANCE_SLOT: u32 = 1;
 impl Environment {
     /// The program that draws leaves.
     pub(super) fn leaf(&self, program: LeafProgram) -> ProgramId {
-        match program {
-            LeafProgram::Indexed => self.indexed_leaf,
-            LeafProgram::Stamped => self.stamped_leaf,
-        }
+        let mut formats = LeafFormat::ALL.iter();
+        let formats = formats.position(|format| *format == program.format);
+        let format = formats.expect("all formats are listed");
+        self.leaf[program.source as usize][format]
     }
 
     /// Registers the programs and makes room for `instances` placements.
@@ -146,9 +147,12 @@ impl Environment {
         };
         let view = buffer("view", View::BYTES)?;
         let instances = buffer("placements", Placement::STRIDE * u64::from(instances))?;
+        let leaf = [LeafSource::Indexed, LeafSource::Stamped].map(|source| {
+            LeafFormat::ALL
+                .map(|format| device.create_program(Arc::new(LeafProgram { source, format })))
+        });
         Ok(Self {
-            indexed_leaf: device.create_program(Arc::new(LeafProgram::Indexed)),
-            stamped_leaf: device.create_program(Arc::new(LeafProgram::Stamped)),
+            leaf,
             mesh: device.create_program(Arc::new(MeshProgram)),
             view,
             instances,

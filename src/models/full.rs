@@ -2,22 +2,33 @@
 
 use std::sync::Arc;
 
-use super::leaf::LeafProgram;
+use super::format::LeafBytes;
+use super::leaf::LeafSource;
 use super::surface::{LEAF_GROUP, Surface, Uploaded};
-use super::{Change, Crown, Environment, Kind, Model, Resident, Shared, State, Storage};
+use super::{
+    Change, Crown, Environment, Kind, LeafFormat, Model, ModelOptions, Records, Resident, Shared,
+    State, Storage,
+};
 use crate::gpu::{Corners, Device, Draw, GpuError, Queue, Residency, Step};
 
 /// The model without levels.
 ///
-/// Host memory: none. Device memory: the vertices, 12 bytes each.
+/// Host memory: none. Device memory: the vertices, in the order of the plant whatever the format of
+/// records, since it has none.
 #[derive(Debug, Clone)]
 pub(super) struct Full {
     crown: Arc<Crown>,
+    leaves: LeafBytes,
 }
 
 impl Full {
-    pub(super) fn new(crown: Arc<Crown>) -> Self {
-        Self { crown }
+    pub(super) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
+        let format = LeafFormat {
+            records: Records::Wide,
+            ..options.format
+        };
+        let leaves = LeafBytes::new(&crown, format);
+        Self { crown, leaves }
     }
 }
 
@@ -39,7 +50,8 @@ impl Model for Full {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
+        let (crown, leaves) = (&self.crown, &self.leaves);
+        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
         let model = self.clone();
         Ok(Box::new(Uploaded { model, surface }))
     }
@@ -49,10 +61,9 @@ impl Model for Full {
     }
 
     fn storage(&self) -> Storage {
-        let shared_bytes = 12 * self.crown.vertices().len() as u64;
         Storage {
             host_bytes: 0,
-            shared_bytes,
+            shared_bytes: self.leaves.vertex_size() + self.leaves.key_size(),
             instance_bytes: 0,
         }
     }
@@ -66,7 +77,7 @@ impl Shared for Uploaded<Full> {
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
         let mut steps = Vec::new();
-        self.surface.bind(LeafProgram::Indexed, &mut steps);
+        self.surface.bind(LeafSource::Indexed, &mut steps);
         steps.push(Step::Vertices(self.surface.vertices));
         steps.push(Step::Draw(Draw {
             source: Corners::Counted,

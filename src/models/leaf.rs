@@ -1,21 +1,30 @@
 //! The programs that draw leaves.
 //!
-//! Both share the fragment stage; they differ in where a leaf's corners come from:
+//! All share the fragment stage; they differ in the [format](LeafFormat) of records and vertices, and in
+//! where a leaf's corners come from:
 //!
 //! - `leaf`: the input assembler names four vertices a leaf;
 //! - `stamped-leaf`: corner `i` belongs to leaf record `i / 4` of a storage buffer; records that are
 //!   not born yet, or gone already, are left out.
 
 use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
+use super::format::{LeafFormat, Records, VertexReader, Vertices};
 use crate::gpu::{
     Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
     VertexCall, Words, Wrap,
 };
 use crate::math::{Mat4, Vec2, Vec3, Vec4, index_u32};
 
-/// The programs that draw leaves.
+/// A program that draws leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LeafProgram {
+pub(super) struct LeafProgram {
+    pub(super) source: LeafSource,
+    pub(super) format: LeafFormat,
+}
+
+/// Where a leaf's corners come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LeafSource {
     /// Corners are vertex indices.
     Indexed,
     /// Corners count through stamped records.
@@ -33,27 +42,51 @@ pub(super) const COUNTER_SLOT: u32 = 5;
 /// The slot of the clusters' thresholds.
 pub(super) const THRESHOLD_SLOT: u32 = 6;
 
+/// The slot of the clusters' first vertices, for compact records that are pulled.
+pub(super) const FIRST_VERTEX_SLOT: u32 = 7;
+
 /// Words of one stamped record: four corners, birth, cluster.
-pub(super) const STAMPED_WORDS: usize = 6;
+pub(super) fn stamped_words(format: LeafFormat) -> usize {
+    format.record_bytes() as usize / 4 + 2
+}
 
 /// The counter that says: every cluster has a threshold of its own.
 pub(super) const VARIABLE: u32 = u32::MAX;
 
 impl Program for LeafProgram {
     fn layout(&self) -> Layout {
-        let (name, vertex_stride, pulled, storage_slots) = match self {
-            Self::Indexed => ("leaf", 12, [0, 0], 3),
-            Self::Stamped => ("stamped-leaf", 0, [4 * index_u32(STAMPED_WORDS), 12], 7),
+        let format = self.format;
+        let vertex = format.vertex_bytes();
+        let record = 4 * index_u32(stamped_words(format));
+        let (names, vertex_stride, pulled) = match self.source {
+            LeafSource::Indexed => (
+                ["leaf", "compact-leaf", "quantised-leaf", "small-leaf"],
+                vertex,
+                [0, 0],
+            ),
+            LeafSource::Stamped => (
+                [
+                    "stamped-leaf",
+                    "stamped-compact-leaf",
+                    "stamped-quantised-leaf",
+                    "stamped-small-leaf",
+                ],
+                0,
+                [record, vertex],
+            ),
         };
+        let quantised = usize::from(format.vertices == Vertices::Quantised);
+        let compact = usize::from(format.records == Records::Compact);
+        let keys = index_u32(quantised + compact);
         Layout {
-            name,
+            name: names[2 * quantised + compact],
             version: 1,
             topology: Topology::QuadList,
             blend: Blend::Opaque,
             vertex_stride,
             pulled_primitive_bytes: pulled[0],
             pulled_vertex_bytes: pulled[1],
-            storage_slots,
+            storage_slots: self.key_slot() + keys,
             texture_slots: 0,
         }
     }
@@ -66,34 +99,45 @@ impl Program for LeafProgram {
         geometry.flats.reserve(3 * leaves);
         geometry.corners.reserve(4 * leaves);
         let stage = LeafStage::new(call.bindings, call.instance);
-        match self {
-            Self::Indexed => {
-                let vertices = call.bindings.vertices();
+        let storage = |slot: u32| call.bindings.storage(slot as usize);
+        let mut slots = self.key_slot()..;
+        let keys = || storage(slots.next().expect("slots do not end"));
+        match self.source {
+            LeafSource::Indexed => {
+                let vertices = VertexReader::new(self.format, call.bindings.vertices(), keys);
                 for corners in call.corners.chunks_exact(4) {
                     let corners = [corners[0], corners[1], corners[2], corners[3]];
-                    stage.leaf(corners, vertices, geometry);
+                    stage.leaf(corners, &vertices, geometry);
                 }
             }
-            Self::Stamped => {
-                let storage = |slot: u32| call.bindings.storage(slot as usize);
-                let vertices = storage(VERTEX_SLOT);
+            LeafSource::Stamped => {
+                let vertices = VertexReader::new(self.format, storage(VERTEX_SLOT), keys);
                 let records = storage(RECORD_SLOT);
                 let thresholds = storage(THRESHOLD_SLOT);
                 let counter = storage(COUNTER_SLOT).u32(0);
+                let words = stamped_words(self.format);
                 for corners in call.corners.chunks_exact(4) {
                     let record = corners[0] as usize / 4;
-                    let first = STAMPED_WORDS * record;
-                    let birth = records.u32(first + 4);
+                    let first = words * record;
+                    let birth = records.u32(first + words - 2);
                     let stands = if counter == VARIABLE {
                         // The operands of collapse k stand at 2 k − 2 and 2 k − 1.
                         let death = index_u32(record / 2) + 1;
-                        let threshold = thresholds.u32(records.u32(first + 5) as usize);
+                        let threshold = thresholds.u32(records.u32(first + words - 1) as usize);
                         birth <= threshold && threshold < death
                     } else {
                         birth <= counter
                     };
                     if stands {
-                        stage.leaf(records.u32s(first), vertices, geometry);
+                        let corners = match self.format.records {
+                            Records::Wide => records.u32s(first),
+                            Records::Compact => {
+                                let cluster = records.u32(first + words - 1) as usize;
+                                let base = storage(FIRST_VERTEX_SLOT).u32(cluster);
+                                compact_corners(records.u32s(first), base)
+                            }
+                        };
+                        stage.leaf(corners, &vertices, geometry);
                     }
                 }
             }
@@ -122,6 +166,22 @@ impl Program for LeafProgram {
     }
 }
 
+impl LeafProgram {
+    /// The first slot of what the format needs beside the vertices.
+    pub(super) fn key_slot(self) -> u32 {
+        match (self.source, self.format.records) {
+            (LeafSource::Indexed, _) => MATERIAL_SLOT + 1,
+            (LeafSource::Stamped, Records::Wide) => THRESHOLD_SLOT + 1,
+            (LeafSource::Stamped, Records::Compact) => FIRST_VERTEX_SLOT + 1,
+        }
+    }
+}
+
+/// The corners of a compact record, each two bytes.
+fn compact_corners(words: [u32; 2], first_vertex: u32) -> [u32; 4] {
+    [0, 1, 2, 3].map(|role: usize| (words[role / 2] >> (16 * (role % 2)) & 0xffff) + first_vertex)
+}
+
 /// What the vertex stage knows before it sees a leaf.
 struct LeafStage {
     clip_from_world: Mat4,
@@ -143,11 +203,9 @@ impl LeafStage {
     }
 
     /// Emits one leaf. Its normal is the cross product of the diagonals.
-    fn leaf(&self, corners: [u32; 4], vertices: Words<'_>, geometry: &mut Geometry) {
-        let world = corners.map(|corner| {
-            self.placement
-                .to_world(Vec3::from_array(vertices.f32s(3 * corner as usize)))
-        });
+    fn leaf(&self, corners: [u32; 4], vertices: &VertexReader<'_>, geometry: &mut Geometry) {
+        let world = corners.map(|corner| self.placement.to_world(vertices.position(corner)));
+        let corners = corners.map(|corner| vertices.number(corner));
         let normal = (world[2] - world[0])
             .cross(world[3] - world[1])
             .normalize_or_zero();

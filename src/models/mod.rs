@@ -22,6 +22,9 @@
 //! | [`Kind::LodfStamps`] | vertices, every record once with its birth | 4 B; 4 B a changed cluster between variable states |
 //! | [`Kind::LodfLiteral`] | as `LodfCluster` | as `LodfCluster`, of the papers' static list: wrong leaves |
 //!
+//! These are figures of wide records and float vertices; [`LeafFormat`] has smaller ones for all of them:
+//! records of 8 B, vertices of 8 B. Then every cluster is a draw of its own, also of lists.
+//!
 //! **Invariant.** A model reaches the device only through [`Queue`], so its ledger is complete by
 //! construction; no model names `raster`.
 //!
@@ -30,6 +33,7 @@
 mod crown;
 mod environment;
 mod errors;
+mod format;
 mod full;
 mod leaf;
 mod leaf_list;
@@ -45,6 +49,7 @@ use std::sync::Arc;
 pub use crown::Crown;
 pub use environment::{Environment, Placement, View};
 pub use errors::LeafErrors;
+pub use format::{LeafFormat, Records, Vertices};
 pub use lodf::{Extraction, Gather};
 pub use select::{Apportionment, Criterion, Extent, apportion, level, select};
 pub use state::State;
@@ -245,9 +250,9 @@ impl Kind {
     pub fn model(self, crown: &Arc<Crown>, options: ModelOptions) -> Box<dyn Model> {
         let crown = Arc::clone(crown);
         match self {
-            Self::Full => Box::new(full::Full::new(crown)),
-            Self::VdfHost => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Host)),
-            Self::VdfIndices => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Indices)),
+            Self::Full => Box::new(full::Full::new(crown, options)),
+            Self::VdfHost => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Host, options)),
+            Self::VdfIndices => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Indices, options)),
             Self::LodfHost => Box::new(lodf::Host::new(crown, options)),
             Self::LodfCluster => Box::new(lodf::Blocks::new(crown, lodf::Order::Repaired, options)),
             Self::LodfLiteral => Box::new(lodf::Blocks::new(crown, lodf::Order::Literal, options)),
@@ -257,11 +262,14 @@ impl Kind {
     }
 }
 
-/// How models work where they have a choice; no choice changes what is shown.
+/// How models work where they have a choice; no choice changes which leaves are shown, and only
+/// [quantised vertices](Vertices::Quantised) change where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ModelOptions {
     /// One operation at a time, or batched by cluster.
     pub extraction: Extraction,
     /// Slots as single writes or gathered.
     pub gather: Gather,
+    /// How leaves look as bytes.
+    pub format: LeafFormat,
 }

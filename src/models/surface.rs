@@ -2,10 +2,11 @@
 
 use super::crown::Crown;
 use super::environment::Environment;
-use super::leaf::{LeafMaterial, LeafProgram, MATERIAL_SLOT};
+use super::format::{LeafBytes, LeafFormat};
+use super::leaf::{LeafMaterial, LeafProgram, LeafSource, MATERIAL_SLOT};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, MAX_SLOTS,
-    Residency, Step, TextureDescriptor, TextureId, Usage,
+    BufferDescriptor, BufferId, Cause, Device, DrawIndirect, GpuError, MAX_SLOTS, Residency, Step,
+    TextureDescriptor, TextureId, Usage,
 };
 use crate::math::{Vec4, index_u32};
 use crate::plant::Texture;
@@ -19,7 +20,10 @@ pub(super) struct Surface {
     environment: Environment,
     pub(super) vertices: BufferId,
     materials: BufferId,
+    /// What the format needs beside the vertices, in the order of slots.
+    keys: Vec<BufferId>,
     textures: Vec<TextureId>,
+    pub(super) format: LeafFormat,
 }
 
 impl Surface {
@@ -28,9 +32,11 @@ impl Surface {
         device: &mut Device,
         environment: &Environment,
         crown: &Crown,
+        leaves: &LeafBytes,
         residency: Residency,
     ) -> Result<Self, GpuError> {
-        let bytes = crown.vertex_bytes();
+        leaves.check()?;
+        let bytes = leaves.vertices();
         let vertices = device.create_buffer(&BufferDescriptor {
             label: "leaf vertices",
             size: bytes.len() as u64,
@@ -39,6 +45,9 @@ impl Surface {
         })?;
         let cause = Cause::of("vertices");
         device.queue().write(vertices, 0, &bytes, cause)?;
+        let keys = leaves.keys().into_iter();
+        let keys = keys.map(|(label, bytes)| filled(device, label, Usage::STORAGE, &bytes, cause));
+        let keys = keys.collect::<Result<_, _>>()?;
 
         let mut distinct: Vec<(&Texture, f32)> = Vec::new();
         let mut bytes = Vec::new();
@@ -90,17 +99,26 @@ impl Surface {
             environment: *environment,
             vertices,
             materials,
+            keys,
             textures,
+            format: leaves.format,
         })
     }
 
     /// Binds what leaves are drawn with.
-    pub(super) fn bind(&self, program: LeafProgram, steps: &mut Vec<Step>) {
+    pub(super) fn bind(&self, source: LeafSource, steps: &mut Vec<Step>) {
+        let program = LeafProgram {
+            source,
+            format: self.format,
+        };
         steps.extend(self.environment.bind(self.environment.leaf(program)));
         steps.push(Step::Storage {
             slot: MATERIAL_SLOT,
             buffer: self.materials,
         });
+        for (slot, &buffer) in (program.key_slot()..).zip(&self.keys) {
+            steps.push(Step::Storage { slot, buffer });
+        }
         for (slot, &texture) in self.textures.iter().enumerate() {
             steps.push(Step::Texture {
                 slot: index_u32(slot),
@@ -116,11 +134,11 @@ impl Surface {
         count: u32,
     ) -> Vec<Step> {
         let mut steps = Vec::new();
-        self.bind(LeafProgram::Indexed, &mut steps);
+        self.bind(LeafSource::Indexed, &mut steps);
         steps.push(Step::Vertices(self.vertices));
         steps.push(Step::Indices(records));
         steps.push(Step::DrawIndirect(DrawIndirect {
-            source: Corners::Indexed,
+            source: self.format.source(),
             arguments,
             offset: 0,
             count,

@@ -9,10 +9,13 @@
 
 use std::sync::Arc;
 
+use super::format::LeafBytes;
 use super::leaf_list::LeafList;
 use super::surface::{Surface, Uploaded};
-use super::{Change, Crown, Environment, Kind, Model, Resident, Shared, State, Storage};
-use crate::gpu::{Device, GpuError, IndirectRecord, Queue, Residency, Step};
+use super::{
+    Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
+};
+use crate::gpu::{Device, GpuError, Queue, Residency, Step};
 use crate::math::index_u32;
 
 /// Where VDF keeps what it draws.
@@ -36,12 +39,13 @@ impl Transfer {
 
 /// VDF.
 ///
-/// Host memory: 12 bytes a vertex (for `Host`), then 28 bytes a leaf, old or new. Device memory for
-/// `Indices`: 12 bytes a vertex once; 16 bytes an original leaf and 16 bytes of draw arguments for
-/// each instance.
+/// Host memory: the vertices (for `Host`), then 28 bytes a leaf, old or new. Device memory for
+/// `Indices`: the vertices once; room for a record of every original leaf and draw arguments for each
+/// instance.
 #[derive(Debug, Clone)]
 pub(super) struct Vdf {
     crown: Arc<Crown>,
+    leaves: LeafBytes,
     transfer: Transfer,
     links: Arc<Vec<Links>>,
 }
@@ -56,7 +60,7 @@ struct Links {
 const NONE: u32 = u32::MAX;
 
 impl Vdf {
-    pub(super) fn new(crown: Arc<Crown>, transfer: Transfer) -> Self {
+    pub(super) fn new(crown: Arc<Crown>, transfer: Transfer, options: ModelOptions) -> Self {
         let sequence = crown.sequence();
         let alone = Links {
             parent: NONE,
@@ -72,6 +76,7 @@ impl Vdf {
         }
         Self {
             transfer,
+            leaves: LeafBytes::new(&crown, options.format),
             links: Arc::new(links),
             crown,
         }
@@ -126,14 +131,15 @@ impl Model for Vdf {
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
         let residency = self.transfer.residency();
-        let surface = Surface::upload(device, environment, &self.crown, residency)?;
+        let (crown, leaves) = (&self.crown, &self.leaves);
+        let surface = Surface::upload(device, environment, crown, leaves, residency)?;
         let model = self.clone();
         Ok(Box::new(Uploaded { model, surface }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
         let mut bytes = match self.transfer {
-            Transfer::Host => self.crown.vertex_bytes(),
+            Transfer::Host => self.leaves.vertices(),
             Transfer::Indices => Vec::new(),
         };
         for (leaf, links) in (0..).zip(self.links.iter()) {
@@ -145,19 +151,18 @@ impl Model for Vdf {
     }
 
     fn storage(&self) -> Storage {
-        let vertices = 12 * self.crown.vertices().len() as u64;
+        let (vertices, keys) = (self.leaves.vertex_size(), self.leaves.key_size());
         let leaves = 28 * u64::from(self.crown.sequence().record_count());
         match self.transfer {
             Transfer::Host => Storage {
                 host_bytes: vertices + leaves,
-                shared_bytes: 0,
+                shared_bytes: keys,
                 instance_bytes: 0,
             },
             Transfer::Indices => Storage {
                 host_bytes: leaves,
-                shared_bytes: vertices,
-                instance_bytes: 16 * u64::from(self.crown.sequence().original_count())
-                    + IndirectRecord::STRIDE,
+                shared_bytes: vertices + keys,
+                instance_bytes: LeafList::size(&self.crown, &self.leaves),
             },
         }
     }
@@ -174,7 +179,14 @@ impl Shared for Uploaded<Vdf> {
         let active = Vdf::active(&model.crown, &model.links, state);
         let residency = model.transfer.residency();
         Ok(Box::new(VdfResident {
-            list: LeafList::create(device, &model.crown, surface, residency, number, &active)?,
+            list: LeafList::create(
+                device,
+                (&model.crown, &model.leaves),
+                surface,
+                residency,
+                number,
+                &active,
+            )?,
             active: ActiveList::of(&active, model.links.len()),
             model: model.clone(),
             state: state.clone(),
@@ -196,7 +208,12 @@ impl Resident for VdfResident {
     }
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-        let Vdf { crown, links, .. } = &self.model;
+        let Vdf {
+            crown,
+            leaves,
+            links,
+            ..
+        } = &self.model;
         let clusters = crown.clusters();
         // The criterion is evaluated for every active leaf, whatever changes.
         let mut change = Change {
@@ -224,7 +241,7 @@ impl Resident for VdfResident {
         change.host_records += 9 * u64::from(change.collapses + change.splits);
         if change.clusters_touched > 0 {
             let active: Vec<u32> = self.active.iter().collect();
-            self.list.write(queue, crown, &active)?;
+            self.list.write(queue, (crown, leaves), &active)?;
         }
         self.state = to.clone();
         Ok(change)

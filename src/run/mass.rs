@@ -8,7 +8,8 @@ use crate::gpu::{
 };
 use crate::math::{Mat4, Sphere, Vec3, Vec4};
 use crate::models::{
-    Crown, Environment, Extraction, Gather, Kind, LEAF_GROUP, ModelOptions, Placement, State, View,
+    Crown, Environment, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Placement,
+    State, View,
 };
 use crate::raster::{Counters, Options, Samples, TileSize};
 use crate::simplify::measure_leaves;
@@ -96,6 +97,7 @@ pub fn mass(crown: &Arc<Crown>, states: &[State]) -> Result<Vec<Mass>, RunError>
     let options = ModelOptions {
         extraction: Extraction::Batched,
         gather: Gather::Single,
+        format: LeafFormat::WIDE,
     };
     let model = Kind::LodfStamps.model(crown, options);
     let shared = model.upload(&mut device, &environment)?;

@@ -10,8 +10,9 @@ use crate::gpu::{
 };
 use crate::math::{Digest, Vec4, whole_u32};
 use crate::models::{
-    Change, Criterion, Environment, Extent, Extraction, Gather, Kind, LEAF_GROUP, ModelOptions,
-    Resident, Shared, State, Trunk, TrunkKind, TrunkLevel, View, select,
+    Change, Criterion, Environment, Extent, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat,
+    ModelOptions, Records, Resident, Shared, State, Trunk, TrunkKind, TrunkLevel, Vertices, View,
+    select,
 };
 use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
 use crate::scene::{self, DetailKind, ImageSize, SampleCount, Scene};
@@ -82,6 +83,16 @@ impl SessionOptions {
                 gather: match scene.model.gather {
                     scene::Gather::Single => Gather::Single,
                     scene::Gather::Regions => Gather::Regions,
+                },
+                format: LeafFormat {
+                    records: match scene.model.records {
+                        scene::RecordWidth::Wide => Records::Wide,
+                        scene::RecordWidth::Compact => Records::Compact,
+                    },
+                    vertices: match scene.model.vertices {
+                        scene::VertexFormat::Float => Vertices::Float,
+                        scene::VertexFormat::Quantised => Vertices::Quantised,
+                    },
                 },
             },
             size: scene.size,

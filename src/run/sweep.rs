@@ -7,7 +7,9 @@ use super::shard::{Shard, exact};
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
 use crate::math::Digest;
-use crate::models::{Change, Gather, Kind, ModelOptions, State, level};
+use crate::models::{
+    Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, Vertices, level,
+};
 use crate::scene::Scene;
 use crate::simplify::measure_leaves;
 
@@ -18,6 +20,8 @@ pub struct Variant {
     pub kind: Kind,
     /// Whether several ranges go in one transfer.
     pub gathered: bool,
+    /// How leaves look as bytes.
+    pub format: LeafFormat,
 }
 
 /// As its label.
@@ -36,64 +40,97 @@ impl<'de> serde::Deserialize<'de> for Variant {
 }
 
 impl Variant {
-    /// Every sound model and mode, slots both ways.
-    pub const ALL: [Self; 8] = [
-        Self {
-            kind: Kind::Full,
-            gathered: false,
-        },
-        Self {
-            kind: Kind::VdfHost,
-            gathered: false,
-        },
-        Self {
-            kind: Kind::VdfIndices,
-            gathered: false,
-        },
-        Self {
-            kind: Kind::LodfHost,
-            gathered: false,
-        },
-        Self {
-            kind: Kind::LodfCluster,
-            gathered: false,
-        },
-        Self {
-            kind: Kind::LodfSlots,
-            gathered: false,
-        },
-        Self {
-            kind: Kind::LodfSlots,
-            gathered: true,
-        },
-        Self {
-            kind: Kind::LodfStamps,
-            gathered: false,
-        },
+    /// Every sound model and mode, slots both ways; then the papers' mode, slots and stamps with
+    /// records of 8 bytes.
+    pub const ALL: [Self; 11] = [
+        Self::usual(Kind::Full),
+        Self::usual(Kind::VdfHost),
+        Self::usual(Kind::VdfIndices),
+        Self::usual(Kind::LodfHost),
+        Self::usual(Kind::LodfCluster),
+        Self::usual(Kind::LodfSlots),
+        Self::usual(Kind::LodfSlots).gathered(),
+        Self::usual(Kind::LodfStamps),
+        Self::usual(Kind::LodfCluster).compact(),
+        Self::usual(Kind::LodfSlots).compact().gathered(),
+        Self::usual(Kind::LodfStamps).compact(),
     ];
 
-    /// The kind's label, with `-gathered` where ranges are gathered.
+    /// A kind as its papers have it.
+    #[must_use]
+    pub const fn usual(kind: Kind) -> Self {
+        Self {
+            kind,
+            gathered: false,
+            format: LeafFormat::WIDE,
+        }
+    }
+
+    /// The same with several ranges in one transfer.
+    #[must_use]
+    pub const fn gathered(self) -> Self {
+        Self {
+            gathered: true,
+            ..self
+        }
+    }
+
+    /// The same with compact records.
+    #[must_use]
+    pub const fn compact(self) -> Self {
+        let format = LeafFormat {
+            records: Records::Compact,
+            vertices: self.format.vertices,
+        };
+        Self { format, ..self }
+    }
+
+    /// What a label may end in, in this order, after the kind's.
+    const ENDINGS: [&'static str; 3] = ["-u16", "-quantised", "-gathered"];
+
+    /// The kind's label, then `-u16` with compact records, `-quantised` with quantised vertices,
+    /// `-gathered` where ranges are gathered.
     #[must_use]
     pub fn label(self) -> String {
-        let label = self.kind.label();
-        if self.gathered {
-            format!("{label}-gathered")
-        } else {
-            label
-        }
+        let has = [
+            self.format.records == Records::Compact,
+            self.format.vertices == Vertices::Quantised,
+            self.gathered,
+        ];
+        let endings = Self::ENDINGS.into_iter().zip(has).filter(|(_, has)| *has);
+        endings.fold(self.kind.label(), |label, (ending, _)| label + ending)
     }
 
     /// The variant with this label.
     #[must_use]
     pub fn labelled(label: &str) -> Option<Self> {
-        let (base, gathered) = match label.strip_suffix("-gathered") {
-            Some(base) => (base, true),
-            None => (label, false),
-        };
+        let mut base = label;
+        let [gathered, quantised, compact] = [2, 1, 0].map(|ending: usize| {
+            let stripped = base.strip_suffix(Self::ENDINGS[ending]);
+            base = stripped.unwrap_or(base);
+            stripped.is_some()
+        });
         let kind = Kind::labelled(base)?;
-        // Only slots and stamps ever send several ranges that could be gathered.
+        // Only slots and stamps ever send several ranges that could be gathered, and only what has
+        // records can have compact ones.
         let gathers = matches!(kind, Kind::LodfSlots | Kind::LodfStamps);
-        (gathers || !gathered).then_some(Self { kind, gathered })
+        let sound = (gathers || !gathered) && (kind != Kind::Full || !compact);
+        sound.then_some(Self {
+            kind,
+            gathered,
+            format: LeafFormat {
+                records: if compact {
+                    Records::Compact
+                } else {
+                    Records::Wide
+                },
+                vertices: if quantised {
+                    Vertices::Quantised
+                } else {
+                    Vertices::Float
+                },
+            },
+        })
     }
 }
 
@@ -256,6 +293,7 @@ fn walk(
         kind: variant.kind,
         model: ModelOptions {
             gather,
+            format: variant.format,
             ..options.session.model
         },
         ..options.session

@@ -2,7 +2,9 @@
 
 use crate::limits;
 
-use super::{DetailKind, Extraction, Gather, ImageSize, Mode, ModelName};
+use super::{
+    DetailKind, Extraction, Gather, ImageSize, Mode, ModelName, RecordWidth, VertexFormat,
+};
 
 /// One key of a scene file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -250,6 +252,10 @@ pub const KEYS: &[Key] = &[
         "One collapse or split after another, or all between two levels at once."),
     key("model.gather", Kind::Choice(Gather::NAMES), "", Absent::Value("\"single\""),
         "Scattered slots as single writes, or as one write of many regions."),
+    key("model.records", Kind::Choice(RecordWidth::NAMES), "", Absent::Value("\"wide\""),
+        "Leaf records with vertex numbers of 4 bytes, or of 2 within the cluster."),
+    key("model.vertices", Kind::Choice(VertexFormat::NAMES), "", Absent::Value("\"float\""),
+        "Vertices of 12 bytes, or of 8 on a grid in the crown's box."),
     key("model.stop_leaves", Kind::Integer { min: 1, max: 16_000_000 }, "leaves", Absent::Rule("the species'"),
         "Simplification stops at so many leaves."),
     key("model.level", Kind::Number { min: 0.0, max: 1.0 }, "", Absent::Rule("by distance"),

@@ -28,7 +28,10 @@ mod write;
 
 pub use camera::{Camera, CameraKey, Projection, View};
 pub use keys::{Absent, KEYS, Key, Kind, key_help};
-pub use model::{DetailKind, DetailRange, Extraction, Gather, Mode, ModelChoice, ModelName};
+pub use model::{
+    DetailKind, DetailRange, Extraction, Gather, Mode, ModelChoice, ModelName, RecordWidth,
+    VertexFormat,
+};
 pub use parse::{SceneFile, SceneSource};
 pub use tree::{PlantSource, Tree};
 pub use write::to_toml;

@@ -98,6 +98,26 @@ choices! {
     }
 }
 
+choices! {
+    /// How wide a leaf record is.
+    RecordWidth {
+        /// Four vertex numbers of 4 bytes.
+        Wide = "wide",
+        /// Four of 2 bytes, counted within the cluster.
+        Compact = "compact",
+    }
+}
+
+choices! {
+    /// How exact vertices are.
+    VertexFormat {
+        /// Three floats: 12 bytes.
+        Float = "float",
+        /// Three steps of the crown's box in 65,535: 8 bytes.
+        Quantised = "quantised",
+    }
+}
+
 impl ModelName {
     /// The modes that the system has, the usual one first.
     #[must_use]
@@ -131,6 +151,10 @@ pub struct ModelChoice {
     pub extraction: Extraction,
     /// How scattered slots are sent.
     pub gather: Gather,
+    /// How wide leaf records are.
+    pub records: RecordWidth,
+    /// How exact vertices are.
+    pub vertices: VertexFormat,
     /// The leaf count at which simplification stops, in place of the species'.
     pub stop_leaves: Option<u32>,
     /// A fixed level from 0 (all leaves) to 1 (fewest), in place of distance.

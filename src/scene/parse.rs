@@ -11,7 +11,8 @@ use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
     Camera, CameraKey, DetailKind, DetailRange, DeviceChoice, Extraction, Gather, Golden, Light,
-    Mode, ModelChoice, ModelName, PlantSource, Projection, SampleCount, Scene, SceneError, Tree,
+    Mode, ModelChoice, ModelName, PlantSource, Projection, RecordWidth, SampleCount, Scene,
+    SceneError, Tree, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -268,6 +269,8 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         range,
         extraction: Extraction::from_name(&name("extraction")?).expect(NAMED),
         gather: Gather::from_name(&name("gather")?).expect(NAMED),
+        records: RecordWidth::from_name(&name("records")?).expect(NAMED),
+        vertices: VertexFormat::from_name(&name("vertices")?).expect(NAMED),
         stop_leaves: table.get("stop_leaves")?.map(small),
         level: table.get("level")?,
     })

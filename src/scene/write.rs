@@ -3,7 +3,10 @@
 use crate::math::{Digest, Digester, Vec3};
 
 use super::value::BYTE_UNITS;
-use super::{Camera, Golden, ModelChoice, PlantSource, Projection, SCHEMA, Scene, Tree};
+use super::{
+    Camera, Golden, ModelChoice, PlantSource, Projection, RecordWidth, SCHEMA, Scene, Tree,
+    VertexFormat,
+};
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
 ///
@@ -53,6 +56,8 @@ impl Scene {
     /// of their values) as `u32`, larger ones as `u64`, floats as their bits, texts and lists with
     /// their length as `u64` before them, an absent value as `0u32` and a present one after `1u32`,
     /// all little-endian. Left out is [`Tree::plant_digest`], which is an answer, not a question.
+    /// [`ModelChoice::records`] and [`ModelChoice::vertices`], which came later, are left out where
+    /// they have their default; else they come last in their table, each after its key as text.
     #[must_use]
     pub fn digest(&self) -> Digest {
         let mut digester = Digester::new(SCHEMA);
@@ -160,6 +165,8 @@ fn write_model(text: &mut Text, model: &ModelChoice) {
     text.key("d_max", &model.range.d_max().to_string());
     text.key("extraction", &quoted(model.extraction.name()));
     text.key("gather", &quoted(model.gather.name()));
+    text.key("records", &quoted(model.records.name()));
+    text.key("vertices", &quoted(model.vertices.name()));
     if let Some(leaves) = model.stop_leaves {
         text.key("stop_leaves", &leaves.to_string());
     }
@@ -248,6 +255,12 @@ fn digest_model(digester: &mut Digester, model: &ModelChoice) {
     match model.level {
         None => _ = digester.u32(0),
         Some(level) => _ = digester.u32(1).f32(level),
+    }
+    if model.records != RecordWidth::Wide {
+        digester.text("records").u32(model.records as u32);
+    }
+    if model.vertices != VertexFormat::Float {
+        digester.text("vertices").u32(model.vertices as u32);
     }
 }
 

@@ -11,7 +11,8 @@ use spinney::gpu::{
 };
 use spinney::math::{Vec2, Vec3, Vec4, index_usize};
 use spinney::models::{
-    Crown, Environment, Gather, Kind, ModelOptions, Placement, State, Trunk, TrunkKind, TrunkLevel,
+    Crown, Environment, Gather, Kind, LeafFormat, ModelOptions, Placement, State, Trunk, TrunkKind,
+    TrunkLevel,
 };
 use spinney::plant::{Foliage, Material, Mesh, Plant, Texture};
 use spinney::raster::Samples;
@@ -25,6 +26,18 @@ use crate::support::{
 const REGIONS: ModelOptions = ModelOptions {
     gather: Gather::Regions,
     ..OPTIONS
+};
+
+/// Records of 8 bytes.
+const COMPACT: ModelOptions = ModelOptions {
+    format: LeafFormat::ALL[1],
+    ..OPTIONS
+};
+
+/// Records and vertices of 8 bytes.
+const SMALL: ModelOptions = ModelOptions {
+    format: LeafFormat::ALL[3],
+    ..REGIONS
 };
 
 /// Held against the ledger: every transfer of a stream, its sums, and the shares of its causes.
@@ -79,7 +92,7 @@ fn check_walk(
     states: &[State],
 ) -> Result<(), TestCaseError> {
     let forest = Forest::of(crown);
-    let mut expected = Expected::at(&forest, kind, &states[0]);
+    let mut expected = Expected::at(&forest, kind, options.format, &states[0]);
     let mut stage = Stage::at(kind, options, crown, &states[0], 8);
     let ledger = stage.device.take_ledger();
     let initial = [scenery(), expected.initial()].concat();
@@ -168,6 +181,15 @@ closed_forms! {
     lodf_slots_gathered: Kind::LodfSlots, REGIONS;
     lodf_stamps: Kind::LodfStamps, OPTIONS;
     lodf_stamps_gathered: Kind::LodfStamps, REGIONS;
+    full_small: Kind::Full, SMALL;
+    vdf_host_compact: Kind::VdfHost, COMPACT;
+    vdf_indices_compact: Kind::VdfIndices, COMPACT;
+    lodf_host_small: Kind::LodfHost, SMALL;
+    lodf_cluster_compact: Kind::LodfCluster, COMPACT;
+    lodf_slots_compact: Kind::LodfSlots, COMPACT;
+    lodf_slots_small_gathered: Kind::LodfSlots, SMALL;
+    lodf_stamps_compact: Kind::LodfStamps, COMPACT;
+    lodf_stamps_small_gathered: Kind::LodfStamps, SMALL;
 }
 
 /// Every step of the sequence by itself, there and back: one cluster, one or two slots, one counter.
@@ -263,6 +285,23 @@ fn ticks_per_byte(link: &str) -> (u64, u64) {
     }
 }
 
+/// What `u16` cannot number is refused, not cut.
+#[test]
+fn clusters_too_large_for_compact_records_are_refused() {
+    let model = |leaves: u32| Kind::LodfCluster.model(&random_crown(1, 2 * leaves, 2), COMPACT);
+    let upload = |leaves| {
+        let mut device = Device::new(descriptor());
+        let environment = Environment::new(&mut device, 1).expect("memory suffices");
+        model(leaves).upload(&mut device, &environment).map(|_| ())
+    };
+    assert_eq!(upload(16_384), Ok(()));
+    assert_eq!(
+        upload(16_385).expect_err("one too many").to_string(),
+        "a cluster of 16385 leaves in compact records (at most 16384 fit) is not supported by this \
+         version"
+    );
+}
+
 #[test]
 fn every_transfer_is_timed_by_its_devices_link() {
     let crown = random_crown(3, 40, 5);
@@ -295,10 +334,12 @@ fn storage_is_what_lies_there() {
     let scenery = ["leaf materials", "leaf texture", "view", "placements"];
     for (seed, leaves, roots) in [(1, 2, 1), (2, 3, 3), (3, 25, 4), (4, 90, 9)] {
         let crown = random_crown(seed, leaves, roots);
-        for kind in Kind::ALL {
-            let model = kind.model(&crown, OPTIONS);
+        let formats = LeafFormat::ALL.into_iter();
+        let all = formats.flat_map(|format| Kind::ALL.map(|kind| (kind, format)));
+        for (kind, format) in all {
+            let model = kind.model(&crown, ModelOptions { format, ..OPTIONS });
             let storage = model.storage();
-            let label = kind.label();
+            let label = format!("{} {format:?}", kind.label());
             assert_eq!(
                 storage.host_bytes,
                 model.host_bytes().len() as u64,
@@ -398,7 +439,7 @@ fn textures_are_sent_once_with_all_their_levels() {
         assert_eq!(found, wanted);
         stage.draw();
         let forest = Forest::of(&crown);
-        let expected = Expected::at(&forest, Kind::LodfSlots, &State::FINEST);
+        let expected = Expected::at(&forest, Kind::LodfSlots, LeafFormat::WIDE, &State::FINEST);
         let commands = stage.device.take_ledger().command_bytes;
         assert_eq!(commands, expected.command_bytes(sent.len() as u64));
     }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use spinney::gpu::{Ledger, Share, Stream};
-use spinney::models::{Crown, Kind, State};
+use spinney::models::{Crown, Kind, LeafFormat, Records, State, Vertices};
 
 /// The trees of a forest of collapses, by their least original leaf.
 pub(crate) struct Forest {
@@ -130,6 +130,8 @@ pub(crate) type Sent = (&'static str, Option<u32>, &'static str, u64);
 pub(crate) struct Expected<'f> {
     forest: &'f Forest,
     kind: Kind,
+    compact: bool,
+    quantised: bool,
     state: State,
     /// What the device of `stamps` holds.
     counter: u32,
@@ -137,7 +139,7 @@ pub(crate) struct Expected<'f> {
 }
 
 impl<'f> Expected<'f> {
-    pub(crate) fn at(forest: &'f Forest, kind: Kind, state: &State) -> Self {
+    pub(crate) fn at(forest: &'f Forest, kind: Kind, format: LeafFormat, state: &State) -> Self {
         let (counter, thresholds) = match state {
             State::Uniform { collapses } => (*collapses, vec![0; forest.trees.len()]),
             State::Variable { .. } => (u32::MAX, forest.thresholds(state)),
@@ -145,6 +147,9 @@ impl<'f> Expected<'f> {
         Self {
             forest,
             kind,
+            // What has no records has none to make smaller.
+            compact: format.records == Records::Compact && kind != Kind::Full,
+            quantised: format.vertices == Vertices::Quantised,
             state: state.clone(),
             counter,
             thresholds,
@@ -159,27 +164,62 @@ impl<'f> Expected<'f> {
             trees,
         } = self.forest;
         let (roots, visible) = (trees.len() as u64, self.forest.visible(&self.state));
+        let (record, argument) = (self.record(), self.argument());
         let records = |label, bytes| ("records", None, label, bytes);
         let mut sent = match self.kind {
             Kind::Full | Kind::VdfHost | Kind::LodfHost => Vec::new(),
             Kind::VdfIndices => vec![
-                records("leaf list", 16 * visible),
-                records("draw arguments", 16),
+                records("leaf list", record * visible),
+                records("draw arguments", argument * self.lists()),
             ],
             Kind::LodfCluster | Kind::LodfSlots | Kind::LodfLiteral => vec![
-                records("leaf records", 16 * originals),
-                records("draw arguments", 16 * roots),
+                records("leaf records", record * originals),
+                records("draw arguments", argument * roots),
             ],
             Kind::LodfStamps => vec![
-                records("stamped records", 24 * (originals + collapses)),
+                records("stamped records", (record + 8) * (originals + collapses)),
                 records("counter", 4),
                 records("thresholds", 4 * roots),
             ],
         };
+        if self.compact && self.kind == Kind::LodfStamps {
+            sent.push(records("first vertices", 4 * roots));
+        }
+        let mut vertices = |label, bytes| sent.push(("vertices", None, label, bytes));
         if !self.on_host() {
-            sent.push(("vertices", None, "leaf vertices", 12 * 4 * originals));
+            vertices("leaf vertices", self.vertex() * 4 * originals);
+        }
+        if self.compact {
+            vertices("leaf numbers", 4 * originals);
+        }
+        if self.quantised {
+            vertices("vertex grid", 24);
         }
         sent
+    }
+
+    /// Bytes of a leaf record.
+    fn record(&self) -> u64 {
+        if self.compact { 8 } else { 16 }
+    }
+
+    /// Bytes of the arguments of a draw: short indices have their first vertex there.
+    fn argument(&self) -> u64 {
+        if self.compact { 20 } else { 16 }
+    }
+
+    /// Bytes of a vertex.
+    fn vertex(&self) -> u64 {
+        if self.quantised { 8 } else { 12 }
+    }
+
+    /// How many draws a list is: compact ones count in their cluster.
+    fn lists(&self) -> u64 {
+        if self.compact {
+            self.forest.trees.len() as u64
+        } else {
+            1
+        }
     }
 
     fn on_host(&self) -> bool {
@@ -196,6 +236,7 @@ impl<'f> Expected<'f> {
             .zip(before.into_iter().zip(after));
         let changed = trees.filter(|(_, (before, after))| before != after);
         let draw_count = |id| ("draw-count", Some(id), "draw arguments", 4);
+        let record = self.record();
         match self.kind {
             Kind::Full | Kind::VdfHost | Kind::LodfHost | Kind::LodfLiteral => Vec::new(),
             Kind::VdfIndices if same => Vec::new(),
@@ -204,13 +245,19 @@ impl<'f> Expected<'f> {
                     "index-list",
                     None,
                     "leaf list",
-                    16 * self.forest.visible(to),
+                    record * self.forest.visible(to),
                 ),
-                ("draw-count", None, "draw arguments", 4),
+                // Of one list its length alone.
+                (
+                    "draw-count",
+                    None,
+                    "draw arguments",
+                    if self.compact { 20 * self.lists() } else { 4 },
+                ),
             ],
             Kind::LodfCluster => changed
                 .flat_map(|((id, tree), (_, after))| {
-                    let bytes = 16 * tree.visible(after);
+                    let bytes = record * tree.visible(after);
                     [("cluster", Some(id), "leaf records", bytes), draw_count(id)]
                 })
                 .collect(),
@@ -218,7 +265,7 @@ impl<'f> Expected<'f> {
                 .flat_map(|((id, tree), (before, after))| {
                     let slots = tree.slots_changed(before, after);
                     assert!(slots <= 2 * before.abs_diff(after), "two a step at most");
-                    let slot = ("slot", Some(id), "leaf records", 16);
+                    let slot = ("slot", Some(id), "leaf records", record);
                     std::iter::repeat_n(slot, slots).chain([draw_count(id)])
                 })
                 .collect(),
@@ -250,8 +297,8 @@ impl<'f> Expected<'f> {
         let visible = self.forest.visible(&self.state);
         if self.on_host() {
             vec![
-                ("draw", None, "leaf list", 16 * visible),
-                ("draw", None, "leaf vertices", 48 * visible),
+                ("draw", None, "leaf list", self.record() * visible),
+                ("draw", None, "leaf vertices", 4 * self.vertex() * visible),
             ]
         } else {
             Vec::new()
@@ -272,7 +319,7 @@ impl<'f> Expected<'f> {
                 (1, window)
             }
             (Kind::LodfStamps, State::Variable { .. }) => (1, 4 * all),
-            (Kind::VdfHost | Kind::VdfIndices | Kind::LodfHost, _) => (1, 4 * visible),
+            (Kind::VdfHost | Kind::VdfIndices | Kind::LodfHost, _) => (self.lists(), 4 * visible),
         }
     }
 
@@ -281,13 +328,14 @@ impl<'f> Expected<'f> {
     pub(crate) fn command_bytes(&self, textures: u64) -> u64 {
         let (bound, draws) = match self.kind {
             Kind::Full => (1, 20),
-            Kind::VdfHost | Kind::LodfHost => (2, 20),
-            Kind::VdfIndices => (2, 8),
+            Kind::VdfHost | Kind::LodfHost => (2, 20 * self.lists()),
+            Kind::VdfIndices => (2, 8 * self.lists()),
             Kind::LodfCluster | Kind::LodfSlots | Kind::LodfLiteral => {
                 (2, 8 * self.forest.trees.len() as u64)
             }
-            Kind::LodfStamps => (4, 20),
+            Kind::LodfStamps => (4 + u64::from(self.compact), 20),
         };
+        let bound = bound + u64::from(self.compact) + u64::from(self.quantised);
         24 + 8 * (4 + textures + bound) + draws
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use proptest::prelude::{ProptestConfig, Strategy, any, proptest};
 use spinney::math::index_usize;
-use spinney::models::{Crown, Extraction, Gather, Kind, ModelOptions, State};
+use spinney::models::{Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Records, State};
 use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
 use spinney::testkit::strategy::{self, WalkOptions};
 use spinney::testkit::{
@@ -18,7 +18,7 @@ use crate::support::{Cases, OPTIONS, Stage, StageExt as _, random_crown};
 
 const SIDE: u32 = 48;
 
-/// Both ways to extract and to send, by a number.
+/// Both ways to extract and to send, and all formats, by a number.
 fn options(choice: u64) -> ModelOptions {
     ModelOptions {
         extraction: if choice & 1 == 0 {
@@ -31,6 +31,18 @@ fn options(choice: u64) -> ModelOptions {
         } else {
             Gather::Regions
         },
+        format: LeafFormat::ALL[index_usize(choice >> 2 & 3)],
+    }
+}
+
+/// How the same leaves look to everyone else: vertices are where they are.
+fn reference_options(options: ModelOptions) -> ModelOptions {
+    ModelOptions {
+        format: LeafFormat {
+            records: Records::Wide,
+            ..options.format
+        },
+        ..OPTIONS
     }
 }
 
@@ -70,7 +82,8 @@ fn walk(kind: Kind, seed: u64, case: &TreeWalk, tally: &mut Tally) -> Result<(),
             let mut walked = Stage::at(kind, options, crown, start, SIDE);
             states[..step].iter().for_each(|state| walked.commit(state));
             let mut fresh = Stage::at(kind, options, crown, state, SIDE);
-            let reference = Stage::at(Kind::LodfCluster, OPTIONS, crown, shown, SIDE).draw();
+            let others = reference_options(options);
+            let reference = Stage::at(Kind::LodfCluster, others, crown, shown, SIDE).draw();
             check_end(&mut walked, &mut fresh, Some(&reference), tally)?;
         }
     }

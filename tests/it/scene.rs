@@ -419,6 +419,8 @@ d_min = 0.1
 d_max = 0.2
 extraction = "single"
 gather = "regions"
+records = "compact"
+vertices = "quantised"
 stop_leaves = 12
 level = 0.3
 [device]
@@ -494,6 +496,8 @@ fn digest_knows_the_meaning_not_the_layout() {
         with("name = \"other\""),
         ending("[model]\nmode = \"slots\""),
         ending("[model]\nlevel = 0"),
+        ending("[model]\nrecords = \"compact\""),
+        ending("[model]\nvertices = \"quantised\""),
         ending("[golden]"),
         ending("[light]\nambient = [0, 0, 0]"),
         ending("[device]\nlink = \"agp1x\""),

@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 use spinney::document::Document;
 use spinney::gpu::DeviceDescriptor;
 use spinney::math::{Stream, Vec3, index_u32, index_usize};
-use spinney::models::{Crown, Extraction, Gather, Kind, Model, ModelOptions, State};
+use spinney::models::{Crown, Extraction, Gather, Kind, LeafFormat, Model, ModelOptions, State};
 use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype, Texture};
 use spinney::raster::Image;
 use spinney::run::{Silent, World};
@@ -197,6 +197,7 @@ pub(crate) fn descriptor() -> DeviceDescriptor {
 pub(crate) const OPTIONS: ModelOptions = ModelOptions {
     extraction: Extraction::Batched,
     gather: Gather::Single,
+    format: LeafFormat::WIDE,
 };
 
 /// Stages where memory suffices.

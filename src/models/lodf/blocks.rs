@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::super::format::LeafBytes;
 use super::super::surface::{Surface, Uploaded, filled};
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
@@ -26,11 +27,12 @@ pub(in super::super) enum Order {
 
 /// LoDF with resident blocks.
 ///
-/// Host memory: the structures of [`host_bytes`]. Device memory: 12 bytes a vertex once; a block of
-/// 16 bytes an original leaf and 16 bytes of draw arguments a cluster for each instance.
+/// Host memory: the structures of [`host_bytes`]. Device memory: the vertices once; a block of a
+/// record an original leaf and draw arguments a cluster for each instance.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Blocks {
     crown: Arc<Crown>,
+    leaves: LeafBytes,
     order: Order,
     extraction: Extraction,
 }
@@ -38,6 +40,7 @@ pub(in super::super) struct Blocks {
 impl Blocks {
     pub(in super::super) fn new(crown: Arc<Crown>, order: Order, options: ModelOptions) -> Self {
         Self {
+            leaves: LeafBytes::new(&crown, options.format),
             crown,
             order,
             extraction: options.extraction,
@@ -70,7 +73,8 @@ impl Model for Blocks {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
+        let (crown, leaves) = (&self.crown, &self.leaves);
+        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
         let model = self.clone();
         Ok(Box::new(Uploaded { model, surface }))
     }
@@ -82,8 +86,8 @@ impl Model for Blocks {
     fn storage(&self) -> Storage {
         Storage {
             host_bytes: host_size(&self.crown),
-            shared_bytes: 12 * self.crown.vertices().len() as u64,
-            instance_bytes: BlockBuffers::instance_bytes(&self.crown),
+            shared_bytes: self.leaves.vertex_size() + self.leaves.key_size(),
+            instance_bytes: BlockBuffers::instance_bytes(&self.crown, &self.leaves),
         }
     }
 }
@@ -95,18 +99,19 @@ impl Shared for Uploaded<Blocks> {
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let crown = &self.model.crown;
+        let Blocks { crown, leaves, .. } = &self.model;
         let groups = Groups::at(crown.clusters(), state);
         let starts = block_starts(crown);
-        let mut bytes = vec![0; 16 * crown.sequence().original_count() as usize];
+        let stride = leaves.format.record_bytes() as usize;
+        let mut bytes = vec![0; stride * crown.sequence().original_count() as usize];
         for ((cluster, group), &start) in (0..).zip(groups.groups()).zip(&starts) {
             let shown = visible(crown, self.model.order, cluster, group.collapses());
-            let records = crown.records_bytes(shown);
-            bytes[16 * start as usize..][..records.len()].copy_from_slice(&records);
+            let records = leaves.records(shown);
+            bytes[stride * start as usize..][..records.len()].copy_from_slice(&records);
         }
         let buffers = BlockBuffers::create(
             device,
-            crown,
+            (crown, leaves),
             &self.surface,
             &bytes,
             groups.groups(),
@@ -135,18 +140,22 @@ impl Resident for BlocksResident {
     }
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-        let (crown, order) = (&self.model.crown, self.model.order);
-        let extraction = self.model.extraction;
-        let (mut change, touched) = self.groups.extract(crown.clusters(), to, extraction);
+        let Blocks {
+            crown,
+            leaves,
+            order,
+            extraction,
+        } = &self.model;
+        let (mut change, touched) = self.groups.extract(crown.clusters(), to, *extraction);
         for (cluster, _) in touched {
             let group = self.groups.groups()[cluster as usize];
-            let shown = visible(crown, order, cluster, group.collapses());
+            let shown = visible(crown, *order, cluster, group.collapses());
             change.host_records += shown.len() as u64;
-            let bytes = crown.records_bytes(shown);
-            let offset = 16 * u64::from(self.starts[cluster as usize]);
+            let bytes = leaves.records(shown);
+            let offset = leaves.stride() * u64::from(self.starts[cluster as usize]);
             let cause = Cause::numbered("cluster", cluster);
             queue.write(self.buffers.records, offset, &bytes, cause)?;
-            let (offset, count) = BlockBuffers::draw_count(cluster, group);
+            let (offset, count) = BlockBuffers::draw_count(leaves, cluster, group);
             queue.write(
                 self.buffers.arguments,
                 offset,
@@ -184,30 +193,30 @@ pub(super) struct BlockBuffers {
 }
 
 impl BlockBuffers {
-    pub(super) fn instance_bytes(crown: &Crown) -> u64 {
-        16 * u64::from(crown.sequence().original_count())
-            + IndirectRecord::STRIDE * u64::from(crown.sequence().root_count())
+    pub(super) fn instance_bytes(crown: &Crown, leaves: &LeafBytes) -> u64 {
+        leaves.stride() * u64::from(crown.sequence().original_count())
+            + leaves.argument_stride() * u64::from(crown.sequence().root_count())
     }
 
     pub(super) fn create(
         device: &mut Device,
-        crown: &Crown,
+        (crown, leaves): (&Crown, &LeafBytes),
         surface: &Surface,
         records: &[u8],
         groups: &[Group],
         number: u32,
     ) -> Result<Self, GpuError> {
-        let arguments: Vec<u8> = groups
-            .iter()
+        let arguments: Vec<u8> = (0..)
+            .zip(groups)
             .zip(block_starts(crown))
-            .flat_map(|(group, start)| {
+            .flat_map(|((cluster, group), start)| {
                 let record = IndirectRecord {
                     corner_count: 4 * group.active_leaves,
                     instances: 1,
                     first_corner: 4 * start,
                     instance: number,
                 };
-                record.to_bytes()
+                leaves.argument_bytes(record, cluster)
             })
             .collect();
         let cause = Cause::of("records");
@@ -221,8 +230,8 @@ impl BlockBuffers {
     }
 
     /// Where a cluster's number of corners lies in the arguments, and its bytes.
-    pub(super) fn draw_count(cluster: u32, group: Group) -> (u64, [u8; 4]) {
-        let offset = IndirectRecord::STRIDE * u64::from(cluster);
+    pub(super) fn draw_count(leaves: &LeafBytes, cluster: u32, group: Group) -> (u64, [u8; 4]) {
+        let offset = leaves.argument_stride() * u64::from(cluster);
         (offset, (4 * group.active_leaves).to_le_bytes())
     }
 }

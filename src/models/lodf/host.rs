@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::format::LeafBytes;
 use super::super::leaf_list::LeafList;
 use super::super::surface::{Surface, Uploaded};
 use super::super::{
@@ -13,16 +14,19 @@ use crate::gpu::{Device, GpuError, Queue, Residency, Step};
 
 /// LoDF with everything in host memory.
 ///
-/// Host memory: 12 bytes a vertex, then the structures of [`host_bytes`]. Device memory: none.
+/// Host memory: the vertices, then the structures of [`host_bytes`]. Device memory: none, but for
+/// what small formats need.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Host {
     crown: Arc<Crown>,
+    leaves: LeafBytes,
     extraction: Extraction,
 }
 
 impl Host {
     pub(in super::super) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
         Self {
+            leaves: LeafBytes::new(&crown, options.format),
             crown,
             extraction: options.extraction,
         }
@@ -47,21 +51,20 @@ impl Model for Host {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let surface = Surface::upload(device, environment, &self.crown, Residency::Host)?;
+        let (crown, leaves) = (&self.crown, &self.leaves);
+        let surface = Surface::upload(device, environment, crown, leaves, Residency::Host)?;
         let model = self.clone();
         Ok(Box::new(Uploaded { model, surface }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
-        [self.crown.vertex_bytes(), host_bytes(&self.crown)].concat()
+        [self.leaves.vertices(), host_bytes(&self.crown)].concat()
     }
 
     fn storage(&self) -> Storage {
-        let vertices = 12 * self.crown.vertices().len() as u64;
-        let host_bytes = vertices + host_size(&self.crown);
         Storage {
-            host_bytes,
-            shared_bytes: 0,
+            host_bytes: self.leaves.vertex_size() + host_size(&self.crown),
+            shared_bytes: self.leaves.key_size(),
             instance_bytes: 0,
         }
     }
@@ -74,11 +77,18 @@ impl Shared for Uploaded<Host> {
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let crown = &self.model.crown;
+        let Host { crown, leaves, .. } = &self.model;
         let visible = state.visible(crown.clusters());
         let (surface, residency) = (&self.surface, Residency::Host);
         Ok(Box::new(HostResident {
-            list: LeafList::create(device, crown, surface, residency, number, &visible)?,
+            list: LeafList::create(
+                device,
+                (crown, leaves),
+                surface,
+                residency,
+                number,
+                &visible,
+            )?,
             groups: Groups::at(crown.clusters(), state),
             model: self.model.clone(),
         }))
@@ -98,13 +108,16 @@ impl Resident for HostResident {
     }
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-        let crown = &self.model.crown;
+        let Host {
+            crown,
+            leaves,
+            extraction,
+        } = &self.model;
         let clusters = crown.clusters();
-        let extraction = self.model.extraction;
-        let (mut change, touched) = self.groups.extract(clusters, to, extraction);
+        let (mut change, touched) = self.groups.extract(clusters, to, *extraction);
         if !touched.is_empty() {
             let visible = to.visible(clusters);
-            self.list.write(queue, crown, &visible)?;
+            self.list.write(queue, (crown, leaves), &visible)?;
             change.host_records += visible.len() as u64;
         }
         Ok(change)

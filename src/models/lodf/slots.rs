@@ -7,6 +7,7 @@
 
 use std::sync::Arc;
 
+use super::super::format::LeafBytes;
 use super::super::surface::{Surface, Uploaded};
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
@@ -25,6 +26,7 @@ use crate::simplify::Cluster;
 #[derive(Debug, Clone)]
 pub(in super::super) struct Slots {
     crown: Arc<Crown>,
+    leaves: LeafBytes,
     plan: Arc<Vec<ClusterSlots>>,
     options: ModelOptions,
 }
@@ -39,6 +41,7 @@ impl Slots {
             .collect();
         Self {
             plan: Arc::new(plan),
+            leaves: LeafBytes::new(&crown, options.format),
             options,
             crown,
         }
@@ -77,7 +80,8 @@ impl Model for Slots {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
+        let (crown, leaves) = (&self.crown, &self.leaves);
+        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
         let model = self.clone();
         Ok(Box::new(Uploaded { model, surface }))
     }
@@ -96,8 +100,8 @@ impl Model for Slots {
         let collapses = u64::from(self.crown.sequence().collapse_count());
         Storage {
             host_bytes: host_size(&self.crown) + 8 * collapses,
-            shared_bytes: 12 * self.crown.vertices().len() as u64,
-            instance_bytes: BlockBuffers::instance_bytes(&self.crown),
+            shared_bytes: self.leaves.vertex_size() + self.leaves.key_size(),
+            instance_bytes: BlockBuffers::instance_bytes(&self.crown, &self.leaves),
         }
     }
 }
@@ -198,7 +202,7 @@ impl Shared for Uploaded<Slots> {
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let crown = &self.model.crown;
+        let Slots { crown, leaves, .. } = &self.model;
         let groups = Groups::at(crown.clusters(), state);
         let content: Vec<Vec<u32>> = crown
             .clusters()
@@ -208,10 +212,10 @@ impl Shared for Uploaded<Slots> {
             .zip(groups.groups())
             .map(|((cluster, plan), group)| plan.at(cluster, group.collapses()))
             .collect();
-        let bytes = crown.records_bytes(content.iter().flatten().copied());
+        let bytes = leaves.records(content.iter().flatten().copied());
         let buffers = BlockBuffers::create(
             device,
-            crown,
+            (crown, leaves),
             &self.surface,
             &bytes,
             groups.groups(),
@@ -274,19 +278,23 @@ impl Resident for SlotsResident {
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
         let crown = Arc::clone(&self.model.crown);
-        let ModelOptions { extraction, gather } = self.model.options;
+        let ModelOptions {
+            extraction, gather, ..
+        } = self.model.options;
         let (mut change, touched) = self.groups.extract(crown.clusters(), to, extraction);
-        let mut slot_writes: Vec<(u64, [u8; 16], u32)> = Vec::new();
+        let mut slot_writes: Vec<(u64, Vec<u8>, u32)> = Vec::new();
         let mut count_writes: Vec<(u64, [u8; 4], u32)> = Vec::new();
         for (cluster, from) in touched {
             let group = self.groups.groups()[cluster as usize];
             let number = cluster as usize;
             for slot in self.move_cluster(number, from, group.collapses()) {
-                let offset = 16 * (u64::from(self.starts[number]) + slot as u64);
-                let record = crown.record_bytes(self.content[number][slot]);
+                let leaves = &self.model.leaves;
+                let place = u64::from(self.starts[number]) + slot as u64;
+                let offset = leaves.stride() * place;
+                let record = leaves.record(self.content[number][slot]);
                 slot_writes.push((offset, record, cluster));
             }
-            let (offset, count) = BlockBuffers::draw_count(cluster, group);
+            let (offset, count) = BlockBuffers::draw_count(&self.model.leaves, cluster, group);
             count_writes.push((offset, count, cluster));
         }
         change.host_records += slot_writes.len() as u64;

@@ -12,12 +12,15 @@
 
 use std::sync::Arc;
 
+use super::super::format::LeafBytes;
 use super::super::leaf::{
-    COUNTER_SLOT, LeafProgram, RECORD_SLOT, STAMPED_WORDS, THRESHOLD_SLOT, VARIABLE, VERTEX_SLOT,
+    COUNTER_SLOT, FIRST_VERTEX_SLOT, LeafSource, RECORD_SLOT, THRESHOLD_SLOT, VARIABLE,
+    VERTEX_SLOT, stamped_words,
 };
 use super::super::surface::{LEAF_GROUP, Surface, Uploaded, filled};
 use super::super::{
-    Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
+    Change, Crown, Environment, Kind, Model, ModelOptions, Records, Resident, Shared, State,
+    Storage,
 };
 use super::slots::send;
 use super::{Gather, host_bytes, host_size};
@@ -33,18 +36,21 @@ const RECORDS: Cause = Cause::of("records");
 
 /// LoDF with stamps.
 ///
-/// Host memory: the structures of [`host_bytes`]. Device memory: 12 bytes a vertex and 24 bytes a
-/// leaf record, old or new (four corners, birth, cluster), once; a counter and a threshold a cluster
-/// (4 bytes each) for each instance.
+/// Host memory: the structures of [`host_bytes`]. Device memory: the vertices, and for each leaf, old or
+/// new, its record with its birth and cluster (24 bytes; 16 with a compact record, and then the first
+/// vertex of each cluster, 4 bytes), once; a counter and a threshold a cluster (4 bytes each) for each
+/// instance.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Stamps {
     crown: Arc<Crown>,
+    leaves: LeafBytes,
     gather: Gather,
 }
 
 impl Stamps {
     pub(in super::super) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
         Self {
+            leaves: LeafBytes::new(&crown, options.format),
             crown,
             gather: options.gather,
         }
@@ -67,12 +73,23 @@ impl Stamps {
         operands.chain(roots).collect()
     }
 
+    /// The vertices to which compact records count, a cluster.
+    fn first_vertices(&self) -> Option<Vec<u8>> {
+        let compact = self.leaves.format.records == Records::Compact;
+        compact.then(|| {
+            let clusters = 0..self.crown.sequence().root_count();
+            clusters
+                .flat_map(|cluster| self.leaves.first_vertex(cluster).to_le_bytes())
+                .collect()
+        })
+    }
+
     fn record_bytes(&self) -> Vec<u8> {
         let originals = self.crown.sequence().original_count();
         let cluster = &self.crown.clusters().cluster_of_leaf;
         let mut bytes = Vec::new();
         for leaf in self.order() {
-            bytes.extend(self.crown.record_bytes(leaf));
+            self.leaves.push_record(leaf, &mut bytes);
             let birth = (leaf + 1).saturating_sub(originals);
             bytes.extend(birth.to_le_bytes());
             bytes.extend(cluster[leaf as usize].to_le_bytes());
@@ -106,13 +123,19 @@ impl Model for Stamps {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let surface = Surface::upload(device, environment, &self.crown, Residency::Device)?;
+        let (crown, leaves) = (&self.crown, &self.leaves);
+        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
         let bytes = self.record_bytes();
         let records = filled(device, "stamped records", Usage::STORAGE, &bytes, RECORDS)?;
+        let mut pulled = vec![(VERTEX_SLOT, surface.vertices), (RECORD_SLOT, records)];
+        if let Some(bytes) = self.first_vertices() {
+            let buffer = filled(device, "first vertices", Usage::STORAGE, &bytes, RECORDS)?;
+            pulled.push((FIRST_VERTEX_SLOT, buffer));
+        }
         let model = self.clone();
         Ok(Box::new(StampsShared {
             uploaded: Uploaded { model, surface },
-            records,
+            pulled,
         }))
     }
 
@@ -121,10 +144,13 @@ impl Model for Stamps {
     }
 
     fn storage(&self) -> Storage {
-        let record_bytes = 4 * STAMPED_WORDS as u64;
+        let record_bytes = 4 * stamped_words(self.leaves.format) as u64;
+        let first_vertices = self.first_vertices().map_or(0, |bytes| bytes.len() as u64);
         Storage {
             host_bytes: host_size(&self.crown),
-            shared_bytes: 12 * self.crown.vertices().len() as u64
+            shared_bytes: self.leaves.vertex_size()
+                + self.leaves.key_size()
+                + first_vertices
                 + record_bytes * u64::from(self.crown.sequence().record_count()),
             instance_bytes: 4 + 4 * u64::from(self.crown.sequence().root_count()),
         }
@@ -134,7 +160,8 @@ impl Model for Stamps {
 #[derive(Debug)]
 struct StampsShared {
     uploaded: Uploaded<Stamps>,
-    records: BufferId,
+    /// What the vertex stage pulls, by slot.
+    pulled: Vec<(u32, BufferId)>,
 }
 
 impl Shared for StampsShared {
@@ -157,13 +184,9 @@ impl Shared for StampsShared {
         let counter = buffer("counter", &[counter_word], Usage::STORAGE | Usage::INDIRECT)?;
         let threshold_buffer = buffer("thresholds", &thresholds_words, Usage::STORAGE)?;
         let mut steps = Vec::new();
-        surface.bind(LeafProgram::Stamped, &mut steps);
-        for (slot, buffer) in [
-            (VERTEX_SLOT, surface.vertices),
-            (RECORD_SLOT, self.records),
-            (COUNTER_SLOT, counter),
-            (THRESHOLD_SLOT, threshold_buffer),
-        ] {
+        surface.bind(LeafSource::Stamped, &mut steps);
+        let own = [(COUNTER_SLOT, counter), (THRESHOLD_SLOT, threshold_buffer)];
+        for (slot, buffer) in self.pulled.iter().copied().chain(own) {
             steps.push(Step::Storage { slot, buffer });
         }
         steps.push(Step::DrawFromCounter(DrawFromCounter {

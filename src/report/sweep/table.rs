@@ -119,19 +119,12 @@ pub fn sweep_markdown(sweep: &Sweep) -> String {
 /// off. Bytes stand with transfers and times, since many small transfers can lose to a large one.
 #[must_use]
 pub fn sweep_notes(sweep: &Sweep) -> Vec<String> {
-    let find = |kind, gathered| {
-        let variant = Variant { kind, gathered };
-        sweep.models.iter().find(|model| model.variant == variant)
-    };
-    let Some(cluster) = find(Kind::LodfCluster, false) else {
+    let find = |variant| sweep.models.iter().find(|model| model.variant == variant);
+    let Some(cluster) = find(Variant::usual(Kind::LodfCluster)) else {
         return Vec::new();
     };
-    let [slots, gathered, stamps] = [
-        (Kind::LodfSlots, false),
-        (Kind::LodfSlots, true),
-        (Kind::LodfStamps, false),
-    ]
-    .map(|(kind, gathered)| find(kind, gathered));
+    let [slots, stamps] = [Kind::LodfSlots, Kind::LodfStamps].map(Variant::usual);
+    let [slots, gathered, stamps] = [slots, slots.gathered(), stamps].map(find);
     let compared = [slots, gathered, stamps].into_iter().flatten();
     let ratios = compared.map(|other| ratio_note(cluster, other));
     let paying = [slots.or(gathered), stamps].into_iter().flatten();

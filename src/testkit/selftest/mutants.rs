@@ -12,7 +12,7 @@ use super::super::{
 use super::Counterexample;
 use super::enumerate::{Extent, SingleSteps, first, flat_crown};
 use super::tamper::{DeviceFault, Tampered};
-use crate::models::{Extraction, Gather, Kind, ModelOptions, State};
+use crate::models::{Extraction, Gather, Kind, LeafFormat, ModelOptions, State};
 
 /// What is taken through the cases.
 #[derive(Debug, Clone, Copy)]
@@ -195,6 +195,7 @@ const DEVICES: Extent = Extent {
 const OPTIONS: ModelOptions = ModelOptions {
     extraction: Extraction::Batched,
     gather: Gather::Single,
+    format: LeafFormat::WIDE,
 };
 
 impl Subject {

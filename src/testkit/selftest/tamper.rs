@@ -6,7 +6,7 @@ use super::super::device::{Change, Counted, DeviceModel, Picture, Reads, Resourc
 use super::super::{History, Stage};
 use crate::gpu::{Corners, Draw, DrawFromCounter, DrawIndirect, GpuError, Queue, Step};
 use crate::models::{
-    self, Crown, Extraction, Gather, Kind, LEAF_GROUP, ModelOptions, Resident, State,
+    self, Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Resident, State,
 };
 
 /// What is wrong in a device model.
@@ -51,6 +51,7 @@ pub(super) const SIDE: u32 = 16;
 const OPTIONS: ModelOptions = ModelOptions {
     extraction: Extraction::Batched,
     gather: Gather::Single,
+    format: LeafFormat::WIDE,
 };
 
 impl Tampered {
