@@ -269,7 +269,7 @@ const PINNED: &str = "\
 plant     4ae92bd6d54fa6377c8c9c1e3501322ac399bff1d6c3c812931a0865c52e4100
 collapses e2078b3972fa0883403b7b4af0db7504d7937320e7686daa9936cf7744aeba5b
 pictures  cc683e24b8a57f949c1ee365a6fbf21bbebff37776d88aebd68747b2c58ef9bf
-ledgers   ce534f8b536b64923c80af4151b5b7558ba635941148a17dd9137aee35714153
+ledgers   4669724889e21c567945da2f6f182da5318cc92b45bab8ae73c607cb54dde80d
 ";
 
 /// A ledger as files have it: the entry of a frame, then each transfer.
