@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::bus::{Bus, Recording};
 use super::compute::ComputeProgram;
+use super::parts::GEOMETRY_BYTES;
 use super::program::Program;
 use super::reads::ReadSet;
 use super::resource::{Buffer, TargetSlot, TextureSlot};
@@ -45,6 +46,7 @@ pub struct Device {
     peak: u64,
     /// Bytes of buffers in host memory.
     hosted: u64,
+    pub(super) geometry_bytes: u64,
 }
 
 impl Device {
@@ -63,12 +65,20 @@ impl Device {
             resident: 0,
             peak: 0,
             hosted: 0,
+            geometry_bytes: GEOMETRY_BYTES,
         }
     }
 
     /// The door through which bytes and commands enter.
     pub fn queue(&mut self) -> Queue<'_> {
         Queue::new(self)
+    }
+
+    /// About how many bytes of this machine the geometry of a pass may take, 1 GiB unless set: what
+    /// takes more is drawn part by part of the target, its vertices computed more than once. No
+    /// picture and no counter depends on it.
+    pub fn limit_geometry(&mut self, bytes: u64) {
+        self.geometry_bytes = bytes;
     }
 
     /// Makes a buffer of zeros.

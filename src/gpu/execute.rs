@@ -1,15 +1,20 @@
 //! Executes passes: runs vertex stages, hands geometry to the rasterizer, counts.
 
-use rayon::prelude::{IntoParallelRefIterator as _, ParallelIterator as _};
+use rayon::prelude::{
+    IntoParallelIterator as _, IntoParallelRefIterator as _, ParallelIterator as _,
+};
 
 use super::assemble::{fetched, fetched_bytes};
 use super::card::DrawWork;
 use super::ledger::{Cause, Ledger, Stream, WorkCounts};
-use super::pass::{Load, RenderPass};
+use super::parts::{CORNER_BYTES, Reach, parts};
+use super::pass::{Corners, Load, RenderPass};
 use super::plan::{Plan, corners_per_primitive, plan};
 use super::program::{Bindings, VertexCall};
 use super::{Device, GpuError};
-use crate::raster::{self, Batch, Counters, Geometry, Kernel, ProbedFragment, Topology};
+use crate::raster::{
+    self, Batch, Counters, Geometry, Kernel, ProbedFragment, Region, Target, Topology,
+};
 
 /// Primitives a call of a vertex stage: a constant, so that threads cannot be seen.
 const PRIMITIVES_PER_CALL: usize = 2048;
@@ -28,20 +33,43 @@ pub(super) fn render(device: &mut Device, pass: &RenderPass) -> Result<(), GpuEr
     if let Load::Clear { color, depth } = pass.load {
         slot.target.clear(color, depth);
     }
-    let options = device.descriptor.raster;
-    let outcomes = with_batches(device, &plan, |geometry| {
-        let of_batch = raster::render(&mut slot.target, &geometry.batches, &options);
-        let mut of_draw = vec![Outcome::default(); plan.draws.len()];
-        for ((&draw, work), batch) in geometry.draws.iter().zip(&of_batch).zip(&geometry.batches) {
-            let outcome = &mut of_draw[draw];
-            outcome.work = outcome.work.plus(work);
-            outcome.emitted_vertices += batch.geometry.clip.len() as u64;
-        }
-        of_draw
-    });
+    let outcomes = draw(device, &plan, &mut slot.target);
     device.targets[pass.target.index() as usize] = Some(slot);
     count(device, &plan, &outcomes);
     Ok(())
+}
+
+/// Draws a plan, part by part of the target if its geometry is too much at once; answers what came of
+/// each draw.
+fn draw(device: &Device, plan: &Plan, target: &mut Target) -> Vec<Outcome> {
+    let options = device.descriptor.raster;
+    let stages = Stages::of(device, plan);
+    let mut outcomes = vec![Outcome::default(); plan.draws.len()];
+    let corners: usize = plan.draws.iter().map(|draw| draw.corners.len()).sum();
+    if CORNER_BYTES * corners as u64 <= device.geometry_bytes {
+        let all: Vec<usize> = (0..stages.calls.len()).collect();
+        stages.with_batches(&all, |batches| {
+            let works = raster::render(target, batches, &options);
+            for ((&(draw, _), work), batch) in stages.calls.iter().zip(&works).zip(batches) {
+                outcomes[draw].add(work, batch.geometry.clip.len());
+            }
+        });
+        return outcomes;
+    }
+    let size = [target.width(), target.height()];
+    let reaches = stages.reaches(size);
+    for (&(draw, _), reach) in stages.calls.iter().zip(&reaches) {
+        outcomes[draw].add(&raster::Work::default(), reach.emitted_vertices);
+    }
+    for part in parts(size, &reaches, device.geometry_bytes) {
+        stages.with_batches(&part.calls, |batches| {
+            let works = raster::render_region(target, batches, &options, part.region);
+            for (&call, work) in part.calls.iter().zip(&works) {
+                outcomes[stages.calls[call].0].add(work, 0);
+            }
+        });
+    }
+    outcomes
 }
 
 /// Every fragment of a pass at one pixel, as if it were executed; nothing is drawn or counted.
@@ -53,79 +81,97 @@ pub(super) fn probe(
     let target = &device.target(pass.target)?.target;
     let (size, samples) = ([target.width(), target.height()], target.samples());
     let plan = plan(device, pass)?;
-    Ok(with_batches(device, &plan, |geometry| {
-        raster::probe(size, samples, &geometry.batches, pixel)
-    }))
+    let stages = Stages::of(device, &plan);
+    let block = Region::around(pixel);
+    let reaches = stages.reaches(size);
+    let reaching = (0..stages.calls.len())
+        .filter(|&call| reaches[call].region.is_some_and(|found| found.meets(block)));
+    Ok(
+        stages.with_batches(&reaching.collect::<Vec<_>>(), |batches| {
+            raster::probe(size, samples, batches, pixel)
+        }),
+    )
 }
 
-/// What the vertex stages of a pass hand to the rasterizer.
-struct PassGeometry<'a> {
-    batches: Vec<Batch<'a>>,
-    /// The draw that each batch is part of.
-    draws: Vec<usize>,
+/// The stages of a pass with what they read, their work cut into calls.
+struct Stages<'a> {
+    plan: &'a Plan,
+    bound: Vec<Bindings<'a>>,
+    kernels: Vec<Box<dyn Kernel + 'a>>,
+    /// The draw that each call of a vertex stage is part of, and its corners.
+    calls: Vec<(usize, &'a [u32])>,
 }
 
-/// Runs the vertex stages of a pass, and `use_batches` on what comes of them.
-fn with_batches<R>(
-    device: &Device,
-    plan: &Plan,
-    use_batches: impl FnOnce(&PassGeometry<'_>) -> R,
-) -> R {
-    let bound: Vec<Bindings<'_>> = plan
-        .draws
-        .iter()
-        .map(|draw| draw.state.bindings(device))
-        .collect();
-    let kernels: Vec<Box<dyn Kernel + '_>> = plan
-        .draws
-        .iter()
-        .zip(&bound)
-        .map(|(draw, bindings)| draw.state.program.fragment_stage(bindings))
-        .collect();
-    let calls: Vec<(usize, &[u32])> = plan
-        .draws
-        .iter()
-        .enumerate()
-        .flat_map(|(number, draw)| {
+impl<'a> Stages<'a> {
+    fn of(device: &'a Device, plan: &'a Plan) -> Self {
+        let draws = plan.draws.iter();
+        let bound: Vec<Bindings<'a>> = draws.map(|draw| draw.state.bindings(device)).collect();
+        let kernels = plan
+            .draws
+            .iter()
+            .zip(&bound)
+            .map(|(draw, bindings)| draw.state.program.fragment_stage(bindings))
+            .collect();
+        let calls = plan.draws.iter().enumerate().flat_map(|(number, draw)| {
             let chunk = PRIMITIVES_PER_CALL * corners_per_primitive(draw.topology);
             draw.corners
                 .chunks(chunk)
                 .map(move |corners| (number, corners))
-        })
-        .collect();
-    let geometries: Vec<Geometry> = calls
-        .par_iter()
-        .map(|&(number, corners)| {
-            let draw = &plan.draws[number];
-            let mut geometry = Geometry::default();
-            let instance = draw.instance;
-            let call = VertexCall {
-                corners,
-                instance,
-                bindings: &bound[number],
-            };
-            draw.state.program.vertex_stage(&call, &mut geometry);
-            geometry
-        })
-        .collect();
-    let batches = calls
-        .iter()
-        .zip(&geometries)
-        .map(|(&(number, _), geometry)| {
-            let draw = &plan.draws[number];
+        });
+        Self {
+            plan,
+            calls: calls.collect(),
+            kernels,
+            bound,
+        }
+    }
+
+    /// What a call of a vertex stage emits.
+    fn emit(&self, call: usize) -> Geometry {
+        let (number, corners) = self.calls[call];
+        let draw = &self.plan.draws[number];
+        let mut geometry = Geometry::default();
+        let call = VertexCall {
+            corners,
+            instance: draw.instance,
+            bindings: &self.bound[number],
+        };
+        draw.state.program.vertex_stage(&call, &mut geometry);
+        geometry
+    }
+
+    /// Where each call may show on a target of this size.
+    fn reaches(&self, size: [u32; 2]) -> Vec<Reach> {
+        let reach = |call: usize| {
+            let geometry = self.emit(call);
+            let (number, corners) = self.calls[call];
+            Reach {
+                region: Region::of(size, &geometry),
+                blend: self.plan.draws[number].state.program.layout().blend,
+                corners: corners.len(),
+                emitted_vertices: geometry.clip.len(),
+            }
+        };
+        (0..self.calls.len()).into_par_iter().map(reach).collect()
+    }
+
+    /// Runs the vertex stages of some calls, and `use_batches` on what comes of them.
+    fn with_batches<R>(&self, calls: &[usize], use_batches: impl FnOnce(&[Batch<'_>]) -> R) -> R {
+        let geometries: Vec<Geometry> = calls.par_iter().map(|&call| self.emit(call)).collect();
+        let batches = calls.iter().zip(&geometries).map(|(&call, geometry)| {
+            let number = self.calls[call].0;
+            let draw = &self.plan.draws[number];
             Batch {
                 geometry,
                 topology: draw.topology,
-                kernel: &*kernels[number],
+                kernel: &*self.kernels[number],
                 blend: draw.state.program.layout().blend,
                 group: draw.group,
                 instance: draw.instance,
             }
         });
-    use_batches(&PassGeometry {
-        batches: batches.collect(),
-        draws: calls.iter().map(|&(number, _)| number).collect(),
-    })
+        use_batches(&batches.collect::<Vec<_>>())
+    }
 }
 
 /// What came of a draw.
@@ -134,6 +180,13 @@ struct Outcome {
     work: raster::Work,
     /// Vertices that the vertex stage emitted.
     emitted_vertices: u64,
+}
+
+impl Outcome {
+    fn add(&mut self, work: &raster::Work, emitted_vertices: usize) {
+        self.work = self.work.plus(work);
+        self.emitted_vertices += emitted_vertices as u64;
+    }
 }
 
 /// Marks what the input assembler reads, and lets programs mark the rest.

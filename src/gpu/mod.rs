@@ -32,6 +32,7 @@ mod error;
 mod execute;
 mod ledger;
 mod link;
+mod parts;
 mod pass;
 mod plan;
 mod program;

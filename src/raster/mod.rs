@@ -74,6 +74,7 @@ mod pass;
 mod pixels;
 mod plane;
 mod probe;
+mod region;
 mod setup;
 mod shade;
 mod texture;
@@ -83,8 +84,9 @@ mod view;
 pub use colour::decode_srgb;
 pub use frame::{Image, Target};
 pub use kernel::{Fragment, Kernel, MAX_FLATS, MAX_VARYINGS, Pixel};
-pub use pass::{Options, render};
+pub use pass::{Options, render, render_region};
 pub use probe::{ProbedFragment, probe};
+pub use region::Region;
 pub use texture::{MipMap, Wrap};
 
 use crate::math::Vec4;

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::bin::{Bins, Grid};
 use super::frame::{BLOCK_SIDE, Block, Ready, Target};
+use super::region::Region;
 use super::setup::{primitive_count, set_up};
 use super::tile::{Scene, Scratch, Tile};
 use super::view::{PixelBox, View};
@@ -29,6 +30,25 @@ pub struct Options {
 /// When a geometry's lists contradict each other or its kernel, or there are more than 2²⁸
 /// primitives: lengths are checked where they enter.
 pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> Vec<Work> {
+    let whole = Region::whole([target.width(), target.height()]);
+    render_region(target, batches, options, whole)
+}
+
+/// As [`render`], of some blocks of the target; the others stay as they are.
+///
+/// Regions that share no block and are all of the target, drawn one after another with the same
+/// batches, leave what one call leaves, and their work adds up to its work. Opaque batches that cover
+/// nothing of a region may be left out there.
+///
+/// # Panics
+///
+/// As [`render`].
+pub fn render_region(
+    target: &mut Target,
+    batches: &[Batch<'_>],
+    options: &Options,
+    region: Region,
+) -> Vec<Work> {
     let mut sums = vec![Work::default(); batches.len()];
     for batch in batches {
         check(batch);
@@ -37,7 +57,7 @@ pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> 
     if width == 0 || height == 0 {
         return sums;
     }
-    let view = View::new(width, height, samples);
+    let view = View::new(width, height, samples).within(region.pixels());
     let scene = Scene {
         batches,
         runs: runs(batches),
@@ -59,6 +79,7 @@ pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> 
         .par_iter_mut()
         .with_max_len(1)
         .enumerate()
+        .filter(|(number, _)| region.contains([number % columns, number / columns]))
         .map_init(
             || Scratch::new(samples),
             |scratch, (number, block)| {

@@ -10,8 +10,8 @@ pub(super) const SUBPIXELS: i32 = 256;
 /// The target as set-up sees it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
-    width: i32,
-    height: i32,
+    /// The pixels that are drawn.
+    shown: PixelBox,
     /// Half the target in sub-pixels.
     half: [f64; 2],
     pub(super) volume: Volume,
@@ -29,12 +29,24 @@ impl View {
         let offsets = samples.offsets();
         let across = offsets.iter().map(|offset| offset[0]);
         Self {
-            width: width as i32,
-            height: height as i32,
+            shown: PixelBox {
+                first: [0; 2],
+                last: [width as i32 - 1, height as i32 - 1],
+            },
             half: [half(width), half(height)],
             volume: Volume::new(width, height),
             samples: [across.clone().min().unwrap_or(0), across.max().unwrap_or(0)],
         }
+    }
+
+    /// The same target, of which nothing is drawn but some pixels.
+    pub(super) fn within(mut self, pixels: PixelBox) -> Self {
+        for axis in 0..2 {
+            let shown = &mut self.shown;
+            shown.first[axis] = shown.first[axis].max(pixels.first[axis]);
+            shown.last[axis] = shown.last[axis].min(pixels.last[axis]);
+        }
+        self
     }
 
     /// The pixels with a sample within a box of sub-pixels, its right and lower rim excluded, since
@@ -42,11 +54,12 @@ impl View {
     #[inline]
     pub(super) fn pixels(&self, x: [i32; 2], y: [i32; 2]) -> Option<PixelBox> {
         let [least, greatest] = self.samples;
-        let first = |from: i32| ((from - greatest + SUBPIXELS - 1) >> 8).max(0);
-        let last = |to: i32, side: i32| ((to - least - 1) >> 8).min(side - 1);
+        let shown = self.shown;
+        let first = |from: i32, rim: i32| ((from - greatest + SUBPIXELS - 1) >> 8).max(rim);
+        let last = |to: i32, rim: i32| ((to - least - 1) >> 8).min(rim);
         let pixels = PixelBox {
-            first: [first(x[0]), first(y[0])],
-            last: [last(x[1], self.width), last(y[1], self.height)],
+            first: [first(x[0], shown.first[0]), first(y[0], shown.first[1])],
+            last: [last(x[1], shown.last[0]), last(y[1], shown.last[1])],
         };
         let some = pixels.first[0] <= pixels.last[0] && pixels.first[1] <= pixels.last[1];
         some.then_some(pixels)

@@ -312,6 +312,11 @@ impl<'w> Session<'w> {
         &self.initial
     }
 
+    /// As [`Device::limit_geometry`].
+    pub fn limit_geometry(&mut self, bytes: u64) {
+        self.device.limit_geometry(bytes);
+    }
+
     /// The device.
     #[must_use]
     pub fn device(&self) -> &Device {
