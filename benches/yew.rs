@@ -30,6 +30,7 @@ pub(crate) fn world() -> World {
             crown: 0,
             placement: Placement::IDENTITY,
         }],
+        ground: None,
         remarks: Vec::new(),
     }
 }

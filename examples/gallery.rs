@@ -81,6 +81,7 @@ fn portrait(path: &Path) -> Result<image::RgbaImage, Box<dyn Error>> {
             crown: 0,
             placement: spinney::models::Placement::IDENTITY,
         }],
+        ground: None,
         remarks: Vec::new(),
     };
     let raster = Options {

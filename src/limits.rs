@@ -89,6 +89,12 @@ limits! {
     FOLIAGE_NAMES: usize = 10_000, "names";
     /// Trees of a scene; what they show together is limited by `STANDING_LEAVES`.
     SCENE_TREES: usize = 10_000, "trees";
+    /// Forests of a scene; their trees count among `SCENE_TREES`.
+    SCENE_FORESTS: usize = 64, "forests";
+    /// Species of a forest: each is a plant of its own.
+    FOREST_SPECIES: usize = 64, "species";
+    /// Cells a side of a scene's ground, of two triangles each.
+    TERRAIN_CELLS: u64 = 1024, "cells";
     /// Keys of the camera's path.
     CAMERA_KEYS: usize = 10_000, "keys";
     /// Frames of a scene: most of an hour at 30 a second.

@@ -131,6 +131,7 @@ pub(crate) fn world() -> &'static World {
                 };
                 2
             ],
+            ground: None,
             remarks: Vec::new(),
         }
     })

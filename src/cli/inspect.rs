@@ -12,7 +12,7 @@ use crate::plant::gltf::{ImportOptions, import};
 use crate::plant::{Plant, Prototype, Species, grow};
 use crate::raster::Image;
 use crate::report::Picture;
-use crate::scene::{PlantSource, SceneFile};
+use crate::scene::{Forest, PlantSource, SceneFile};
 
 /// Names and values, in the order of printing.
 pub(super) type Facts = Vec<(&'static str, Value)>;
@@ -199,19 +199,24 @@ fn scene_facts(document: Document) -> Result<Facts, CliError> {
     let file = document.file.clone();
     let SceneFile { scene, source } = SceneFile::parse(document)?;
     let mut missing: Vec<Value> = Vec::new();
-    let trees: Vec<Value> = scene
-        .trees
-        .iter()
-        .map(|tree| {
-            let path = match &tree.source {
-                PlantSource::Species(path) | PlantSource::File { path, .. } => path,
-            };
-            if !source.resolve(path).exists() {
-                missing.push(format!("{file}: {path} does not exist").into());
-            }
-            json!({ "from": path, "seed": tree.seed })
-        })
-        .collect();
+    let mut look_for = |path: &str| {
+        if !source.resolve(path).exists() {
+            missing.push(format!("{file}: {path} does not exist").into());
+        }
+    };
+    let single = scene.trees.iter().map(|tree| {
+        let (PlantSource::Species(path) | PlantSource::File { path, .. }) = &tree.source;
+        look_for(path);
+        json!({ "from": path, "seed": tree.seed })
+    });
+    let mut trees: Vec<Value> = single.collect();
+    for asked in scene.forests.iter().map(Forest::asked) {
+        for species in &asked.species {
+            look_for(&species.path);
+            let (path, seed, count) = (&species.path, asked.plant_seed, asked.count);
+            trees.push(json!({ "from": path, "seed": seed, "count": count }));
+        }
+    }
     Ok(vec![
         ("kind", "scene".into()),
         ("name", scene.name.clone().into()),

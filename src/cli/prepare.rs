@@ -54,9 +54,7 @@ impl Prepared {
         }
         let crowns = world.crowns.iter();
         let digests: Vec<_> = crowns.map(|crown| crown.plant().digest()).collect();
-        for (tree, standing) in scene.trees.iter_mut().zip(&world.trees) {
-            tree.plant_digest = Some(digests[standing.crown]);
-        }
+        scene.pin_plants(|tree| Some(digests[world.trees.get(tree)?.crown]));
         Ok(Self {
             scene,
             world,

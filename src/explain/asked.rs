@@ -56,7 +56,7 @@ pub(super) fn asked(a: &RecordedRun, b: &RecordedRun) -> Vec<AskedDifference> {
     let keys = [a, b].map(|run| {
         let mut keys = flat(run.resolved());
         // An answer, not a question.
-        keys.retain(|key, _| !key.ends_with(".plant_digest"));
+        keys.retain(|key, _| !key.ends_with(".plant_digest") && !key.ends_with(".plant_digests"));
         keys
     });
     list.extend(differences(keys));
@@ -66,7 +66,8 @@ pub(super) fn asked(a: &RecordedRun, b: &RecordedRun) -> Vec<AskedDifference> {
 /// The files of plants that differ, once each, in the order of trees.
 pub(super) fn plant_files(a: &RecordedRun, b: &RecordedRun) -> Vec<PlantFileDifference> {
     let mut list: Vec<PlantFileDifference> = Vec::new();
-    let trees = a.scene().trees.iter().zip(&b.scene().trees);
+    let [ours, theirs] = [a, b].map(|run| run.scene().standing_trees());
+    let trees = ours.iter().zip(&theirs);
     for (number, (ours, theirs)) in (0..).zip(trees) {
         let paths = [&ours.source, &theirs.source].map(|source| match source {
             PlantSource::Species(path) | PlantSource::File { path, .. } => path,

@@ -102,8 +102,11 @@ pub fn explain_runs(
         .filter(|frame| frames_of_b.binary_search(frame).is_ok())
         .collect();
     let digests = |run: &RecordedRun| {
-        let trees = run.scene().trees.iter();
-        trees.map(|tree| tree.plant_digest).collect::<Vec<_>>()
+        let trees = run.scene().standing_trees();
+        trees
+            .iter()
+            .map(|tree| tree.plant_digest)
+            .collect::<Vec<_>>()
     };
     let pinned = digests(a).iter().all(Option::is_some);
     let mut report = RunsReport {

@@ -9,7 +9,7 @@ use super::trunk::{TrunkStory, trunk_story};
 use super::{EXPLAIN_SCHEMA, ExplainError, bounded};
 use crate::gpu::{Key, ProbedFragment};
 use crate::math::Vec4;
-use crate::models::{LEAF_GROUP, State, TRUNK_GROUP};
+use crate::models::{LEAF_GROUP, State, TERRAIN_GROUP, TRUNK_GROUP};
 use crate::run::{Frame, Progress, Session, World};
 use crate::scene::{PlantSource, Tree};
 
@@ -247,7 +247,10 @@ fn plain_place(fragment: &ProbedFragment) -> PixelPlace {
         triangle,
     } = fragment.key;
     PixelPlace {
-        what: "unknown",
+        what: match group {
+            TERRAIN_GROUP => "ground",
+            _ => "unknown",
+        },
         key: [group, instance, vertex, triangle],
         tree: instance,
         vertices: fragment.corners.clone(),
@@ -294,7 +297,11 @@ fn tell(
 }
 
 fn tree_story(run: &RecordedRun, world: &World, frame: &Frame, number: u32) -> Option<TreeStory> {
-    let asked: &Tree = run.scene().trees.get(number as usize)?;
+    let asked: Tree = run
+        .scene()
+        .standing_trees()
+        .into_iter()
+        .nth(number as usize)?;
     let standing = world.trees.get(number as usize)?;
     let state = frame.states.get(number as usize)?;
     let crown = &world.crowns[standing.crown];

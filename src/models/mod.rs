@@ -41,6 +41,7 @@ mod lodf;
 mod select;
 mod state;
 mod surface;
+mod terrain;
 mod trunk;
 mod vdf;
 
@@ -54,6 +55,7 @@ pub use lodf::{Extraction, Gather};
 pub use select::{Apportionment, Criterion, Extent, apportion, level, select};
 pub use state::State;
 pub use surface::LEAF_GROUP;
+pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel};
 
 use crate::gpu::{Device, GpuError, Queue, Step};

@@ -43,22 +43,33 @@ impl PlantFiles {
         let mut scene = scene.clone();
         let mut known: BTreeMap<String, String> = BTreeMap::new();
         let mut taken: Vec<String> = Vec::new();
-        for tree in &mut scene.trees {
-            let (PlantSource::Species(path) | PlantSource::File { path, .. }) = &tree.source;
-            if !known.contains_key(path) {
-                let name = free_name(path, &mut taken);
-                let copy = match &tree.source {
-                    PlantSource::Species(path) => plants.add_species(&name, &folder.join(path))?,
-                    PlantSource::File { path, .. } => {
-                        plants.add_import(&name, read_sources(&folder.join(path))?)?
-                    }
-                };
-                known.insert(path.clone(), copy);
+        let mut copy = |source: &PlantSource| -> Result<String, RunError> {
+            let (PlantSource::Species(path) | PlantSource::File { path, .. }) = source;
+            if let Some(copy) = known.get(path) {
+                return Ok(copy.clone());
             }
-            let copy = known.get(path).cloned().unwrap_or_default();
+            let name = free_name(path, &mut taken);
+            let copy = match source {
+                PlantSource::Species(path) => plants.add_species(&name, &folder.join(path))?,
+                PlantSource::File { path, .. } => {
+                    plants.add_import(&name, read_sources(&folder.join(path))?)?
+                }
+            };
+            known.insert(path.clone(), copy.clone());
+            Ok(copy)
+        };
+        for tree in &mut scene.trees {
+            let copy = copy(&tree.source)?;
             match &mut tree.source {
                 PlantSource::Species(path) | PlantSource::File { path, .. } => *path = copy,
             }
+        }
+        for species in scene
+            .forests
+            .iter_mut()
+            .flat_map(|forest| forest.species_mut())
+        {
+            species.path = copy(&PlantSource::Species(species.path.clone()))?;
         }
         Ok((scene, plants))
     }

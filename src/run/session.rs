@@ -10,9 +10,9 @@ use crate::gpu::{
 };
 use crate::math::{Digest, Vec4, whole_u32};
 use crate::models::{
-    Change, Criterion, Environment, Extent, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat,
-    ModelOptions, Records, Resident, Shared, State, Trunk, TrunkKind, TrunkLevel, Vertices, View,
-    select,
+    Change, Criterion, Environment, Extent, Extraction, Gather, Ground, Kind, LEAF_GROUP,
+    LeafFormat, ModelOptions, Placement, Records, Resident, Shared, State, Trunk, TrunkKind,
+    TrunkLevel, Vertices, View, select,
 };
 use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
 use crate::scene::{self, DetailKind, ImageSize, SampleCount, Scene};
@@ -126,6 +126,7 @@ pub struct Session<'w> {
     device: Device,
     environment: Environment,
     target: TargetId,
+    ground: Option<Ground>,
     /// The trunk of every tree that has one.
     trunks: Vec<Option<Box<dyn Resident<TrunkLevel>>>>,
     residents: Vec<Box<dyn Resident>>,
@@ -179,7 +180,7 @@ pub struct Frame {
     pub image_digest: Digest,
     /// Leaves drawn, over all trees.
     pub leaves: u64,
-    /// Triangles drawn: two a leaf, and the trunks'.
+    /// Triangles drawn: two a leaf, the trunks', and the ground's.
     pub triangles: u64,
     /// What the change of detail took.
     pub change: Change,
@@ -263,7 +264,16 @@ impl<'w> Session<'w> {
             },
         })?;
         let trees = crate::math::index_u32(world.trees.len());
-        let environment = Environment::new(&mut device, trees)?;
+        // The ground is placed after all trees.
+        let placed = trees + u32::from(world.ground.is_some());
+        let environment = Environment::new(&mut device, placed)?;
+        let ground = match &world.ground {
+            None => None,
+            Some(mesh) => {
+                environment.place(&mut device.queue(), trees, &Placement::IDENTITY)?;
+                Some(Ground::upload(&mut device, &environment, mesh, trees)?)
+            }
+        };
         let mut owners = Owners::default();
         owners.claim(&device, Owner::Scene);
         let mut trunks = Vec::new();
@@ -285,6 +295,7 @@ impl<'w> Session<'w> {
             device,
             environment,
             target,
+            ground,
             trunks: Vec::new(),
             residents: Vec::new(),
             initial: Ledger::default(),
@@ -413,7 +424,8 @@ impl<'w> Session<'w> {
     pub fn draw(&mut self, frame: u32, change: Change) -> Result<Frame, RunError> {
         self.set_view(frame)?;
         let pass = self.pass();
-        let (mut triangles, mut leaves) = (0, 0);
+        let ground = self.ground.as_ref().map_or(0, Ground::triangle_count);
+        let (mut triangles, mut leaves) = (u64::from(ground), 0);
         for (tree, resident) in self.world.trees.iter().zip(&self.residents) {
             let crown = &self.world.crowns[tree.crown];
             let trunk = crown.plant().trunk();
@@ -448,6 +460,9 @@ impl<'w> Session<'w> {
     /// The pass that draws all trees as they are committed.
     fn pass(&self) -> RenderPass {
         let mut steps = Vec::new();
+        if let Some(ground) = &self.ground {
+            ground.draw(&mut steps);
+        }
         for (trunk, resident) in self.trunks.iter().zip(&self.residents) {
             if let Some(trunk) = trunk {
                 trunk.draw(&mut steps);

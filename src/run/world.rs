@@ -9,7 +9,7 @@ use super::progress::Progress;
 use crate::limits;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement};
-use crate::plant::Plant;
+use crate::plant::{Mesh, Plant};
 use crate::scene::{PlantSource, Scene, Tree};
 use crate::simplify::{CollapseSequence, LeafCollapseOptions, collapse_leaves};
 
@@ -20,6 +20,8 @@ pub struct World {
     pub crowns: Vec<Arc<Crown>>,
     /// The trees in the order of the scene.
     pub trees: Vec<StandingTree>,
+    /// The ground, if the scene has one.
+    pub ground: Option<Arc<Mesh>>,
     /// What importers had to say, a line each.
     pub remarks: Vec<String>,
 }
@@ -57,20 +59,18 @@ impl World {
         progress: &dyn Progress,
     ) -> Result<Self, RunError> {
         let mut known: Vec<(&PlantSource, u64, usize)> = Vec::new();
+        let ground = scene.terrain.map(|terrain| Arc::new(terrain.mesh()));
         let mut world = Self {
             crowns: Vec::new(),
             trees: Vec::new(),
+            ground,
             remarks: Vec::new(),
         };
-        let distinct = scene.trees.iter().enumerate().filter(|(index, tree)| {
-            !scene.trees[..*index]
-                .iter()
-                .any(|other| same_plant(other, tree))
-        });
-        progress.begin("plants", distinct.count() as u64);
+        let trees = scene.standing_trees();
+        progress.begin("plants", distinct_plants(&trees));
         let mut size = Size::default();
         let mut digests = Vec::new();
-        for (number, tree) in scene.trees.iter().enumerate() {
+        for (number, tree) in trees.iter().enumerate() {
             let found = known
                 .iter()
                 .find(|(source, seed, _)| **source == tree.source && *seed == tree.seed);
@@ -112,8 +112,15 @@ impl World {
     }
 }
 
-fn same_plant(one: &Tree, other: &Tree) -> bool {
-    one.source == other.source && one.seed == other.seed
+fn distinct_plants(trees: &[Tree]) -> u64 {
+    let mut known: Vec<(&PlantSource, u64)> = Vec::new();
+    for tree in trees {
+        let plant = (&tree.source, tree.seed);
+        if !known.contains(&plant) {
+            known.push(plant);
+        }
+    }
+    known.len() as u64
 }
 
 /// How much a world holds.

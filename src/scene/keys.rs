@@ -3,7 +3,7 @@
 use crate::limits;
 
 use super::{
-    DetailKind, Extraction, Gather, ImageSize, Mode, ModelName, RecordWidth, VertexFormat,
+    DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, RecordWidth, VertexFormat,
 };
 
 /// One key of a scene file.
@@ -39,6 +39,11 @@ pub enum Kind {
     Name,
     /// A path relative to the scene file, with `/` between its parts.
     Path,
+    /// A path as of [`Kind::Path`], or a list of them.
+    Paths {
+        /// The most paths.
+        most: usize,
+    },
     /// One of these texts.
     Choice(&'static [&'static str]),
     /// A list of texts.
@@ -78,6 +83,18 @@ pub enum Kind {
         /// The greatest value of each.
         max: f32,
     },
+    /// Two finite numbers, the first not above the second.
+    Range {
+        /// The least value of each.
+        min: f32,
+        /// The greatest value of each.
+        max: f32,
+    },
+    /// `[x0, z0, x1, z1]`: finite numbers, `x0` below `x1` and `z0` below `z1`.
+    Area {
+        /// The greatest value of each, and the least with its sign turned.
+        max: f32,
+    },
     /// A colour `"#rrggbb"`.
     Color,
     /// A whole number of bytes with a unit.
@@ -87,6 +104,11 @@ pub enum Kind {
     },
     /// 64 hexadecimal digits.
     Digest,
+    /// A list of texts of 64 hexadecimal digits.
+    Digests {
+        /// The most texts.
+        most: usize,
+    },
 }
 
 impl Kind {
@@ -104,6 +126,10 @@ impl Kind {
             Self::Path => {
                 "a path relative to the scene file, with `/` between its parts".to_owned()
             }
+            Self::Paths { most } => format!(
+                "a path relative to the scene file, with `/` between its parts, or a list of at \
+                 most {most}"
+            ),
             Self::Choice(names) => {
                 let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
                 alternatives(&names)
@@ -124,12 +150,21 @@ impl Kind {
             Self::Size { side } => format!("[width, height] from 1 to {side}"),
             Self::Number { min, max } => format!("a number from {min} to {max}"),
             Self::Triple { min, max } => format!("three numbers from {min} to {max}"),
+            Self::Range { min, max } => {
+                format!("[least, greatest], numbers from {min} to {max}, not descending")
+            }
+            Self::Area { max } => format!(
+                "[x0, z0, x1, z1], numbers from -{max} to {max}, x0 below x1 and z0 below z1"
+            ),
             Self::Color => "a colour \"#rrggbb\"".to_owned(),
             Self::Bytes { most } => format!(
                 "a size such as \"256 MiB\", in B, KiB, MiB or GiB, at most {} GiB",
                 most >> 30
             ),
             Self::Digest => "64 hexadecimal digits".to_owned(),
+            Self::Digests { most } => {
+                format!("a list of at most {most} texts of 64 hexadecimal digits")
+            }
         }
     }
 }
@@ -186,7 +221,7 @@ pub const KEYS: &[Key] = &[
     key("background", Kind::Color, "sRGB", Absent::Value("\"#c8d8e8\""),
         "The colour behind everything."),
 
-    key("tree", Kind::Tables { most: limits::SCENE_TREES }, "", Absent::Required,
+    key("tree", Kind::Tables { most: limits::SCENE_TREES }, "", Absent::Rule("none: then a forest"),
         "The trees, a [[tree]] each; each has either `species` or `file`."),
     key("tree[].species", Kind::Path, "", Absent::Rule("none: then `file`"),
         "The species file that the tree grows from."),
@@ -204,6 +239,46 @@ pub const KEYS: &[Key] = &[
         "The factor on its size."),
     key("tree[].plant_digest", Kind::Digest, "", Absent::Rule("any plant will do"),
         "The digest that the plant must have; a run writes it to scene.resolved.toml."),
+
+    key("forest", Kind::Tables { most: limits::SCENE_FORESTS }, "", Absent::Rule("none: then a tree"),
+        "Many trees, a [[forest]] each; they follow the single trees, and each plant is grown once."),
+    key("forest[].species", Kind::Paths { most: limits::FOREST_SPECIES }, "", Absent::Required,
+        "The species files that the trees grow from."),
+    key("forest[].plant_seed", Kind::Integer { min: 0, max: u64::MAX }, "", Absent::Rule("the scene's"),
+        "The seed that the plants grow from."),
+    key("forest[].count", Kind::Integer { min: 1, max: limits::SCENE_TREES as u64 }, "trees", Absent::Required,
+        "How many trees of each species there are."),
+    key("forest[].seed", Kind::Integer { min: 0, max: u64::MAX }, "", Absent::Rule("the scene's"),
+        "Where places, turns and scales come from."),
+    key("forest[].layout", Kind::Choice(Layout::NAMES), "", Absent::Value("\"scattered\""),
+        "By chance, species after species; or in rows of squares, the species in turn."),
+    key("forest[].area", Kind::Area { max: METRES }, "m, world", Absent::Required,
+        "Where the trees stand, within the terrain if there is one."),
+    key("forest[].spacing", Kind::Number { min: 0.01, max: METRES }, "m", Absent::Value("2"),
+        "The least distance between two trunks of the forest; the side of a grid's squares."),
+    key("forest[].scale", Kind::Range { min: 0.001, max: 1000.0 }, "", Absent::Value("[1, 1]"),
+        "The least and the greatest factor on a tree's size."),
+    key("forest[].plant_digests", Kind::Digests { most: limits::FOREST_SPECIES }, "", Absent::Rule("any plants will do"),
+        "The digests that the plants must have, one a species; a run writes them to scene.resolved.toml."),
+
+    key("terrain", Kind::Table, "", Absent::Rule("no ground, and forests stand at height 0"),
+        "The ground: a square around the origin. Single trees stand where their `at` says."),
+    key("terrain.size", Kind::Number { min: 1.0, max: METRES }, "m", Absent::Value("200"),
+        "The side of the square."),
+    key("terrain.cells", Kind::Integer { min: 1, max: limits::TERRAIN_CELLS }, "cells", Absent::Value("128"),
+        "Cells a side, of two triangles each."),
+    key("terrain.amplitude", Kind::Number { min: 0.0, max: 10_000.0 }, "m", Absent::Value("4"),
+        "The height of the longest waves; together all stay within twice as much."),
+    key("terrain.wavelength", Kind::Number { min: 0.01, max: METRES }, "m", Absent::Value("60"),
+        "The length of the longest waves."),
+    key("terrain.octaves", Kind::Integer { min: 1, max: 8 }, "", Absent::Value("4"),
+        "How many waves are added, each half as long and half as high as the one before."),
+    key("terrain.seed", Kind::Integer { min: 0, max: u64::MAX }, "", Absent::Rule("the scene's"),
+        "Where the waves come from."),
+    key("terrain.color", Kind::Color, "sRGB", Absent::Value("\"#6b7a48\""),
+        "The colour of level ground."),
+    key("terrain.steep_color", Kind::Color, "sRGB", Absent::Rule("`color`"),
+        "The colour of ground that rises one to one or steeper; between, both mix."),
 
     key("camera", Kind::Table, "", Absent::Required,
         "Where from and how the trees are seen."),

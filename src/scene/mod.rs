@@ -7,8 +7,8 @@
 //! ```
 //!
 //! **Invariant.** A [`Scene`] that was read is sound: every number is finite and within the range
-//! that [`KEYS`] states, there is at least one tree and one key of the camera's path, and nothing
-//! in it depends on the folder, host or time of reading.
+//! that [`KEYS`] states, there is at least one tree, single or in a forest, and one key of the
+//! camera's path, and nothing in it depends on the folder, host or time of reading.
 //!
 //! # Keys
 //!
@@ -18,21 +18,25 @@
 #![doc = include_str!("keys.md")]
 
 mod camera;
+mod forest;
 mod keys;
 mod model;
 mod parse;
 mod reader;
+mod terrain;
 mod tree;
 mod value;
 mod write;
 
 pub use camera::{Camera, CameraKey, Projection, View};
+pub use forest::{Area, Forest, ForestChoice, ForestSpecies, Layout, NoRoom};
 pub use keys::{Absent, KEYS, Key, Kind, key_help};
 pub use model::{
     DetailKind, DetailRange, Extraction, Gather, Mode, ModelChoice, ModelName, RecordWidth,
     VertexFormat,
 };
 pub use parse::{SceneFile, SceneSource};
+pub use terrain::Terrain;
 pub use tree::{PlantSource, Tree};
 pub use write::to_toml;
 
@@ -40,7 +44,7 @@ use std::path::Path;
 
 use crate::document::DocumentError;
 use crate::limits;
-use crate::math::Vec3;
+use crate::math::{Digest, Vec3};
 
 /// The value of `schema` in a scene file.
 pub const SCHEMA: &str = "spinney.scene/1";
@@ -60,8 +64,12 @@ pub struct Scene {
     pub seed: u64,
     /// What is behind everything: sRGB, 8 bits a channel.
     pub background: [u8; 3],
-    /// The trees, at least one.
+    /// The single trees.
     pub trees: Vec<Tree>,
+    /// The forests, whose trees follow.
+    pub forests: Vec<Forest>,
+    /// The ground, if any is drawn.
+    pub terrain: Option<Terrain>,
     /// Where from and how it is seen.
     pub camera: Camera,
     /// What lights it.
@@ -83,6 +91,31 @@ impl Scene {
     /// found and what would be right.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
         SceneFile::read(path).map(|file| file.scene)
+    }
+
+    /// Every tree in the order of instance numbers: the single ones, then those of the forests.
+    #[must_use]
+    pub fn standing_trees(&self) -> Vec<Tree> {
+        let forests = self.forests.iter();
+        let terrain = self.terrain.as_ref();
+        let theirs = forests.flat_map(|forest| forest.trees(terrain));
+        self.trees.iter().cloned().chain(theirs).collect()
+    }
+
+    /// Pins every plant to the digest that `digest` knows of a tree, by its instance number.
+    pub fn pin_plants(&mut self, digest: impl Fn(usize) -> Option<Digest>) {
+        for (number, tree) in self.trees.iter_mut().enumerate() {
+            tree.plant_digest = digest(number);
+        }
+        let mut first = self.trees.len();
+        for forest in &mut self.forests {
+            let numbers: Vec<usize> = forest.species_of_trees().collect();
+            for (species, entry) in forest.species_mut().iter_mut().enumerate() {
+                let tree = numbers.iter().position(|number| *number == species);
+                entry.plant_digest = tree.and_then(|tree| digest(first + tree));
+            }
+            first += numbers.len();
+        }
     }
 }
 

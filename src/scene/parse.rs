@@ -6,13 +6,16 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
 use crate::document::{Document, DocumentError};
+use crate::limits;
+use crate::math::Digest;
 
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
-    Camera, CameraKey, DetailKind, DetailRange, DeviceChoice, Extraction, Gather, Golden, Light,
-    Mode, ModelChoice, ModelName, PlantSource, Projection, RecordWidth, SampleCount, Scene,
-    SceneError, Tree, VertexFormat,
+    Area, Camera, CameraKey, DetailKind, DetailRange, DeviceChoice, Extraction, Forest,
+    ForestChoice, ForestSpecies, Gather, Golden, Layout, Light, Mode, ModelChoice, ModelName,
+    NoRoom, PlantSource, Projection, RecordWidth, SampleCount, Scene, SceneError, Terrain, Tree,
+    VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -114,6 +117,20 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
     let seed = root.have("seed")?;
     let frames = small(root.have("frames")?);
     let trees = root.tables("tree")?;
+    let terrain = match root.table("terrain")? {
+        Some(table) => Some(terrain(&table, seed)?),
+        None => None,
+    };
+    let mut standing = trees.len();
+    let mut forests = Vec::new();
+    for table in root.tables("forest")? {
+        let forest = forest(&table, seed, terrain.as_ref(), standing)?;
+        standing += forest.tree_count();
+        forests.push(forest);
+    }
+    if standing == 0 {
+        return Err(root.refuse("tree", "a [[tree]] or a [[forest]]"));
+    }
     let below = |name| -> Result<Reader<'_>, SceneError> {
         Ok(root.table(name)?.expect("required, or empty by default"))
     };
@@ -129,6 +146,8 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
             .iter()
             .map(|table| tree(table, seed))
             .collect::<Result<_, _>>()?,
+        forests,
+        terrain,
         camera: camera(&below("camera")?)?,
         light: light(&below("light")?)?,
         model: model(&below("model")?)?,
@@ -182,6 +201,75 @@ fn tree(table: &Reader<'_>, scene_seed: u64) -> Result<Tree, SceneError> {
         turn: table.have("turn")?,
         scale: table.have("scale")?,
         plant_digest: table.get("plant_digest")?,
+    })
+}
+
+/// A forest beside `standing` trees.
+fn forest(
+    table: &Reader<'_>,
+    scene_seed: u64,
+    terrain: Option<&Terrain>,
+    standing: usize,
+) -> Result<Forest, SceneError> {
+    let paths: Vec<String> = table.have("species")?;
+    let count = small(table.have("count")?);
+    let most = limits::SCENE_TREES - standing;
+    if paths.len() * count as usize > most {
+        let wanted = format!("at most {most} trees of all species, as the scene has {standing}");
+        return Err(table.refuse("count", &wanted));
+    }
+    let digests: Option<Vec<Digest>> = table.get("plant_digests")?;
+    if let Some(digests) = digests.as_ref().filter(|list| list.len() != paths.len()) {
+        let wanted = format!(
+            "one digest a species: {}, not {}",
+            paths.len(),
+            digests.len()
+        );
+        return Err(table.refuse("plant_digests", &wanted));
+    }
+    let area: Area = table.have("area")?;
+    if let Some(ground) = terrain {
+        let [x0, z0, x1, z1] = area.corners();
+        let rim = ground.area();
+        if !rim.contains(x0, z0) || !rim.contains(x1, z1) {
+            let half = 0.5 * ground.size;
+            let wanted = format!("an area of the terrain, whose corners are -{half} and {half}");
+            return Err(table.refuse("area", &wanted));
+        }
+    }
+    let species = paths.into_iter().enumerate();
+    let species = species.map(|(number, path)| ForestSpecies {
+        path,
+        plant_digest: digests.as_ref().map(|list| list[number]),
+    });
+    let choice = ForestChoice {
+        species: species.collect(),
+        plant_seed: table.get("plant_seed")?.unwrap_or(scene_seed),
+        count,
+        seed: table.get("seed")?.unwrap_or(scene_seed),
+        layout: Layout::from_name(&table.have::<String>("layout")?)
+            .expect("the table of keys allows these names only"),
+        area,
+        spacing: table.have("spacing")?,
+        scale: table.have("scale")?,
+    };
+    Forest::new(choice).map_err(|NoRoom { fit, wanted }| {
+        let wanted = format!("fewer: of {wanted} trees only {fit} fit at this `spacing`");
+        table.refuse("count", &wanted)
+    })
+}
+
+fn terrain(table: &Reader<'_>, scene_seed: u64) -> Result<Terrain, SceneError> {
+    let color = table.have("color")?;
+    Ok(Terrain {
+        size: table.have("size")?,
+        cells: small(table.have("cells")?),
+        amplitude: table.have("amplitude")?,
+        wavelength: table.have("wavelength")?,
+        octaves: small(table.have("octaves")?),
+        seed: table.get("seed")?.unwrap_or(scene_seed),
+        color,
+        steep_color: table.get("steep_color")?.unwrap_or(color),
     })
 }
 

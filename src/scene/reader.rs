@@ -90,11 +90,13 @@ impl<'a> Reader<'a> {
         below.with_known_keys().map(Some)
     }
 
-    /// The tables below a required key, at least one.
+    /// The tables below a key: at least one where it is there; none where it is not required.
     pub(super) fn tables(&self, name: &str) -> Result<Vec<Self>, SceneError> {
         let key = self.key(name);
-        let Some(found) = self.found(name) else {
-            return Err(self.missing(key));
+        let found = match (self.found(name), key.absent) {
+            (Some(found), _) => found,
+            (None, Absent::Required) => return Err(self.missing(key)),
+            (None, _) => return Ok(Vec::new()),
         };
         let (DeValue::Array(array), Kind::Tables { most }) = (found.get_ref(), key.kind) else {
             return Err(self.unfit(key, found, found.span()));

@@ -8,8 +8,8 @@ use toml::de::{DeArray, DeValue};
 use crate::limits;
 use crate::math::{Digest, Vec3};
 
-use super::ImageSize;
 use super::keys::Kind;
+use super::{Area, ImageSize};
 
 /// A parsed value with its place.
 pub(super) type Found<'a> = Spanned<DeValue<'a>>;
@@ -111,16 +111,63 @@ impl Value for String {
 
 impl Value for Vec<String> {
     fn read(kind: &Kind, found: &Found<'_>) -> Result<Self, Range<usize>> {
+        let (counts, fits): (_, fn(&str) -> bool) = match *kind {
+            Kind::Texts => (0..=limits::FOLIAGE_NAMES, is_text),
+            Kind::Paths { most } => (1..=most, is_path),
+            _ => return Err(found.span()),
+        };
+        let one = |found: &Found<'_>| match text(found).filter(|text| fits(text)) {
+            Some(text) => Ok(text.to_owned()),
+            None => Err(found.span()),
+        };
+        if matches!(kind, Kind::Paths { .. }) && text(found).is_some() {
+            return Ok(vec![one(found)?]);
+        }
         let list = array(found)?;
-        if *kind != Kind::Texts || list.len() > limits::FOLIAGE_NAMES {
+        if !counts.contains(&list.len()) {
             return Err(found.span());
         }
-        list.iter()
-            .map(|entry| match text(entry).filter(|text| is_text(text)) {
-                Some(text) => Ok(text.to_owned()),
-                None => Err(entry.span()),
-            })
-            .collect()
+        list.iter().map(one).collect()
+    }
+}
+
+impl Value for [f32; 2] {
+    fn read(kind: &Kind, found: &Found<'_>) -> Result<Self, Range<usize>> {
+        let list = array(found)?;
+        let (Kind::Range { min, max }, [least, greatest]) = (*kind, &list[..]) else {
+            return Err(found.span());
+        };
+        let least = number_within(least, min, max)?;
+        Ok([least, number_within(greatest, least, max)?])
+    }
+}
+
+impl Value for Area {
+    fn read(kind: &Kind, found: &Found<'_>) -> Result<Self, Range<usize>> {
+        let list = array(found)?;
+        let (Kind::Area { max }, [x0, z0, x1, z1]) = (*kind, &list[..]) else {
+            return Err(found.span());
+        };
+        let mut corners = [0.0; 4];
+        for (entry, corner) in [x0, z0, x1, z1].into_iter().zip(&mut corners) {
+            *corner = number_within(entry, -max, max)?;
+        }
+        Self::new(corners).ok_or(found.span())
+    }
+}
+
+impl Value for Vec<Digest> {
+    fn read(kind: &Kind, found: &Found<'_>) -> Result<Self, Range<usize>> {
+        let list = array(found)?;
+        match *kind {
+            Kind::Digests { most } if list.len() <= most => {}
+            _ => return Err(found.span()),
+        }
+        let one = |entry: &Found<'_>| {
+            let digits = text(entry).and_then(hexadecimal);
+            digits.map(Digest).ok_or(entry.span())
+        };
+        list.iter().map(one).collect()
     }
 }
 
@@ -241,11 +288,13 @@ mod tests {
                 Kind::Number { .. } => f32::read(&key.kind, &value).is_ok(),
                 Kind::Triple { .. } => Vec3::read(&key.kind, &value).is_ok(),
                 Kind::Color => <[u8; 3]>::read(&key.kind, &value).is_ok(),
-                Kind::Texts => Vec::<String>::read(&key.kind, &value).is_ok(),
+                Kind::Range { .. } => <[f32; 2]>::read(&key.kind, &value).is_ok(),
+                Kind::Area { .. } => Area::read(&key.kind, &value).is_ok(),
+                Kind::Texts | Kind::Paths { .. } => Vec::<String>::read(&key.kind, &value).is_ok(),
                 Kind::Text | Kind::Name | Kind::Path | Kind::Choice(_) => {
                     String::read(&key.kind, &value).is_ok()
                 }
-                Kind::Digest | Kind::Tables { .. } => false,
+                Kind::Digest | Kind::Digests { .. } | Kind::Tables { .. } => false,
             };
             assert!(fits, "{}: {text}", key.path);
         }

@@ -4,8 +4,8 @@ use crate::math::{Digest, Digester, Vec3};
 
 use super::value::BYTE_UNITS;
 use super::{
-    Camera, Golden, ModelChoice, PlantSource, Projection, RecordWidth, SCHEMA, Scene, Tree,
-    VertexFormat,
+    Camera, Forest, ForestChoice, Golden, ModelChoice, PlantSource, Projection, RecordWidth,
+    SCHEMA, Scene, Terrain, Tree, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -24,13 +24,15 @@ pub fn to_toml(scene: &Scene) -> String {
     text.key("samples", &scene.samples.get().to_string());
     text.key("frames", &scene.frames.to_string());
     text.key("seed", &scene.seed.to_string());
-    let [red, green, blue] = scene.background;
-    text.key(
-        "background",
-        &format!("\"#{red:02x}{green:02x}{blue:02x}\""),
-    );
+    text.key("background", &color(scene.background));
     for tree in &scene.trees {
         write_tree(&mut text, tree);
+    }
+    for forest in &scene.forests {
+        write_forest(&mut text, forest);
+    }
+    if let Some(terrain) = &scene.terrain {
+        write_terrain(&mut text, terrain);
     }
     write_camera(&mut text, &scene.camera);
     text.heading("[light]");
@@ -55,9 +57,11 @@ impl Scene {
     /// and the types within declare them: integers up to 32 bits, counts and enums (by the order
     /// of their values) as `u32`, larger ones as `u64`, floats as their bits, texts and lists with
     /// their length as `u64` before them, an absent value as `0u32` and a present one after `1u32`,
-    /// all little-endian. Left out is [`Tree::plant_digest`], which is an answer, not a question.
-    /// [`ModelChoice::records`] and [`ModelChoice::vertices`], which came later, are left out where
-    /// they have their default; else they come last in their table, each after its key as text.
+    /// all little-endian. Forests and terrain stand last, each after its name as a text, and only
+    /// where there are any. Left out is [`Tree::plant_digest`], which is an answer, not a question,
+    /// and so are the places that a forest found. [`ModelChoice::records`] and
+    /// [`ModelChoice::vertices`], which came later, are left out where they have their default; else
+    /// they come last in their table, each after its key as text.
     #[must_use]
     pub fn digest(&self) -> Digest {
         let mut digester = Digester::new(SCHEMA);
@@ -86,6 +90,12 @@ impl Scene {
         match &self.golden {
             None => _ = digester.u32(0),
             Some(golden) => digest_golden(digester.u32(1), golden),
+        }
+        for forest in &self.forests {
+            digest_forest(digester.text("forest"), forest.asked());
+        }
+        if let Some(terrain) = &self.terrain {
+            digest_terrain(digester.text("terrain"), terrain);
         }
         digester.finish()
     }
@@ -123,6 +133,41 @@ fn write_tree(text: &mut Text, tree: &Tree) {
     if let Some(digest) = tree.plant_digest {
         text.key("plant_digest", &quoted(&digest.to_string()));
     }
+}
+
+fn write_forest(text: &mut Text, forest: &Forest) {
+    let asked = forest.asked();
+    text.heading("[[forest]]");
+    let species = asked.species.iter();
+    let paths: Vec<String> = species.map(|species| quoted(&species.path)).collect();
+    text.key("species", &format!("[{}]", paths.join(", ")));
+    text.key("plant_seed", &asked.plant_seed.to_string());
+    text.key("count", &asked.count.to_string());
+    text.key("seed", &asked.seed.to_string());
+    text.key("layout", &quoted(asked.layout.name()));
+    let [x0, z0, x1, z1] = asked.area.corners();
+    text.key("area", &format!("[{x0}, {z0}, {x1}, {z1}]"));
+    text.key("spacing", &asked.spacing.to_string());
+    let [least, greatest] = asked.scale;
+    text.key("scale", &format!("[{least}, {greatest}]"));
+    let digests = asked.species.iter().map(|species| species.plant_digest);
+    if let Some(digests) = digests.collect::<Option<Vec<Digest>>>() {
+        let digests = digests.iter().map(|digest| quoted(&digest.to_string()));
+        let digests: Vec<String> = digests.collect();
+        text.key("plant_digests", &format!("[{}]", digests.join(", ")));
+    }
+}
+
+fn write_terrain(text: &mut Text, terrain: &Terrain) {
+    text.heading("[terrain]");
+    text.key("size", &terrain.size.to_string());
+    text.key("cells", &terrain.cells.to_string());
+    text.key("amplitude", &terrain.amplitude.to_string());
+    text.key("wavelength", &terrain.wavelength.to_string());
+    text.key("octaves", &terrain.octaves.to_string());
+    text.key("seed", &terrain.seed.to_string());
+    text.key("color", &color(terrain.color));
+    text.key("steep_color", &color(terrain.steep_color));
 }
 
 fn write_camera(text: &mut Text, camera: &Camera) {
@@ -193,6 +238,10 @@ fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
+fn color([red, green, blue]: [u8; 3]) -> String {
+    format!("\"#{red:02x}{green:02x}{blue:02x}\"")
+}
+
 fn triple(value: Vec3) -> String {
     format!("[{}, {}, {}]", value.x, value.y, value.z)
 }
@@ -221,6 +270,37 @@ fn digest_tree(digester: &mut Digester, tree: &Tree) {
         .vec3(tree.at)
         .f32(tree.turn)
         .f32(tree.scale);
+}
+
+fn digest_forest(digester: &mut Digester, asked: &ForestChoice) {
+    digester.u64(asked.species.len() as u64);
+    for species in &asked.species {
+        digester.text(&species.path);
+    }
+    digester
+        .u64(asked.plant_seed)
+        .u32(asked.count)
+        .u64(asked.seed)
+        .u32(asked.layout as u32);
+    for number in asked.area.corners() {
+        digester.f32(number);
+    }
+    digester
+        .f32(asked.spacing)
+        .f32(asked.scale[0])
+        .f32(asked.scale[1]);
+}
+
+fn digest_terrain(digester: &mut Digester, terrain: &Terrain) {
+    digester
+        .f32(terrain.size)
+        .u32(terrain.cells)
+        .f32(terrain.amplitude)
+        .f32(terrain.wavelength)
+        .u32(terrain.octaves)
+        .u64(terrain.seed)
+        .raw(&terrain.color)
+        .raw(&terrain.steep_color);
 }
 
 fn digest_camera(digester: &mut Digester, camera: &Camera) {

@@ -6,6 +6,7 @@ mod closed_form;
 mod determinism;
 mod diff;
 mod explain;
+mod forest;
 mod gltf;
 mod golden;
 mod gpu;

@@ -28,6 +28,7 @@ pub(super) fn storage(
         &progress,
     )?;
     drop(progress);
+    let trees = prepared.scene.standing_trees();
     let mut reports = Vec::new();
     for (number, crown) in prepared.world.crowns.iter().enumerate() {
         let tree = prepared
@@ -36,7 +37,7 @@ pub(super) fn storage(
             .iter()
             .position(|tree| tree.crown == number);
         let source = tree
-            .and_then(|tree| prepared.scene.trees.get(tree))
+            .and_then(|tree| trees.get(tree))
             .map(|tree| &tree.source);
         let name = latin(options.scene.parent(), source)
             .unwrap_or_else(|| crown.plant().name().to_owned());

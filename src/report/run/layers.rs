@@ -2,7 +2,7 @@
 
 use super::super::{Layer, LayerSamples};
 use crate::math::Vec3;
-use crate::models::{Kind, LEAF_GROUP, ModelOptions};
+use crate::models::{Kind, LEAF_GROUP, ModelOptions, TERRAIN_GROUP};
 use crate::run::{Frame, Session, World};
 
 /// What stands in the layers `instance` and `leaf` where there is none.
@@ -42,6 +42,7 @@ pub fn frame_layers(
     let depth = places.iter().map(|&[x, y]| target.depth(x, y)).collect();
     let instance = keys
         .iter()
+        .map(|key| key.filter(|key| key.group != TERRAIN_GROUP))
         .map(|key| key.map_or(NO_NUMBER, |key| key.instance));
 
     let mut leaves = vec![NO_NUMBER; keys.len()];

@@ -30,6 +30,7 @@ fn world() -> World {
     World {
         crowns: vec![random_crown(5, 40, 6)],
         trees: vec![stand(-1.0, 1.0), stand(1.5, 1.4)],
+        ground: None,
         remarks: Vec::new(),
     }
 }
