@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! triptych.png            or frame-0003.png …   expected | differing | actual
+//! differing.png           of two images: the middle alone
 //! flip.png                or frame-0003-flip.png
 //! report.html
 //! ```
@@ -119,6 +120,10 @@ impl DiffFolder {
         }
         if let Some(look) = &found.look {
             self.write_pictures(look, "triptych.png", "flip.png")?;
+            let [expected, actual] = &look.pictures;
+            if let Ok(marked) = differing(expected, actual, self.tolerance, 1) {
+                self.folder.write("differing.png", &marked.to_png()?)?;
+            }
             let heading = match found.channels {
                 Some(_) => "As colours of 8 bits",
                 None => "Pictures",
@@ -395,7 +400,7 @@ mod tests {
                 look: Some(look),
             };
             folder.finish_images(["a.png", "b.png"], &found).unwrap();
-            ["report.html", "triptych.png", "flip.png"]
+            ["report.html", "triptych.png", "differing.png", "flip.png"]
                 .map(|file| std::fs::read(target.join(file)).unwrap())
         });
         assert_eq!(pages[0], pages[1]);

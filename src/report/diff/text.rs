@@ -144,7 +144,10 @@ fn metric_facts(metrics: &Metrics) -> Vec<Fact> {
         facts.push(("pixels", format!("all {total} are equal")));
         return facts;
     }
-    let count = |pixels| format!("{} of {total} pixels", grouped(pixels, ","));
+    let count = |pixels: u64| {
+        let share = decimal(100.0 * pixels as f64 / found.total() as f64, 2);
+        format!("{} of {total} pixels ({share} %)", grouped(pixels, ","))
+    };
     facts.push(("unequal", count(found.unequal)));
     if found.tolerance > 0 {
         let beyond = format!(
@@ -401,8 +404,8 @@ mod tests {
         let text = found.to_text(80);
         let wanted = "\
 size       64 × 80 pixels
-unequal    52 of 5,120 pixels
-differing  52 of 5,120 pixels, by more than 3 of 255
+unequal    52 of 5,120 pixels (1.02 %)
+differing  52 of 5,120 pixels (1.02 %), by more than 3 of 255
 largest    215 of 255 at (0, 0)
 where      x 0..=63, y 0..=78
 mean       1.3339 of 255 a channel
