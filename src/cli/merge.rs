@@ -22,7 +22,10 @@ pub(super) fn merge(
     drop(progress);
     let target: &Path = &target;
     match merged {
-        Merged::Run { header, rows } => run::closing(&rows, header.link, target, shared, terminal),
+        Merged::Run { header, rows, path } => {
+            let rows = (&rows[..], path.as_ref());
+            run::closing(rows, header.link, target, shared, terminal)
+        }
         Merged::Sweep { header, sweep } => {
             sweep::closing(&header, &sweep, target, shared, terminal)
         }

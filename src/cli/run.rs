@@ -9,7 +9,9 @@ use super::prepare::Prepared;
 use super::terminal::Terminal;
 use crate::gpu::Link;
 use crate::raster::Counters;
-use crate::report::{FrameRow, RunFolder, RunHeader, RunShare, frame_layers, run_notes, run_table};
+use crate::report::{
+    FrameRow, PathEntry, RunFolder, RunHeader, RunShare, frame_layers, run_notes, run_table,
+};
 use crate::run::{PlantFiles, Progress as _, Session, Shard};
 use crate::scene::{Scene, to_toml};
 
@@ -75,13 +77,15 @@ pub(super) fn run(
         progress.step();
     }
     drop(progress);
+    let path = folder.path();
     let rows = folder.finish()?;
-    closing(&rows, prepared.options.link, &target, shared, terminal)
+    let link = prepared.options.link;
+    closing((&rows, path.as_ref()), link, &target, shared, terminal)
 }
 
 /// Says what a run cost and where it lies.
 pub(super) fn closing(
-    rows: &[FrameRow],
+    (rows, path): (&[FrameRow], Option<&PathEntry>),
     link: Link,
     target: &Path,
     shared: &Shared,
@@ -97,7 +101,8 @@ pub(super) fn closing(
     }
     let mut text = run_table(rows, TABLE_ROWS).to_text(terminal.width());
     text.push('\n');
-    for note in run_notes(rows, link) {
+    let path = path.map(PathEntry::note);
+    for note in run_notes(rows, link).into_iter().chain(path) {
         text.push_str(&terminal.wrapped(&note));
     }
     text.push_str(&format!(

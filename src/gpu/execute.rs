@@ -8,7 +8,7 @@ use super::assemble::{fetched, fetched_bytes};
 use super::card::DrawWork;
 use super::ledger::{Cause, Ledger, Stream, WorkCounts};
 use super::parts::{CORNER_BYTES, Reach, parts};
-use super::pass::{Corners, Load, RenderPass};
+use super::pass::{Load, RenderPass};
 use super::plan::{Plan, corners_per_primitive, plan};
 use super::program::{Bindings, VertexCall};
 use super::{Device, GpuError};

@@ -47,8 +47,8 @@ pub use number::{decimal, grouped};
 pub use plot::{Plot, Series};
 pub use run::{
     ComputeEntry, FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, LEDGER_SCHEMA, LedgerEntry,
-    LedgerHead, NO_NUMBER, OpsReader, RunFolder, RunHeader, RunLedger, ShareEntry, TrafficEntry,
-    WorkEntry, frame_layers, run_notes, run_table,
+    LedgerHead, NO_NUMBER, OpsReader, PING_PONG_FRAMES, PathEntry, RunFolder, RunHeader, RunLedger,
+    ShareEntry, TrafficEntry, WorkEntry, frame_layers, run_notes, run_table,
 };
 pub use shard::{Merged, RunShare, SHARD_SCHEMA, merge, write_sweep_shard};
 pub use storage::{

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use super::RunError;
+use super::shard::exact_place;
 use super::world::World;
 use crate::gpu::{
     Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, ProbedFragment, RenderPass,
     ResourceId, TargetDescriptor, TargetId,
 };
-use crate::math::{Digest, Vec4, whole_u32};
+use crate::math::{Digest, Vec3, Vec4, whole_u32};
 use crate::models::{
     Change, Criterion, Environment, Extent, Extraction, Gather, Ground, Kind, LEAF_GROUP,
     LeafFormat, ModelOptions, Placement, Records, Resident, Shared, State, Trunk, TrunkKind,
@@ -173,6 +174,9 @@ enum Recorded {
 pub struct Frame {
     /// Its number.
     pub frame: u32,
+    /// Where the camera stood, in world space.
+    #[serde(with = "exact_place")]
+    pub eye: Vec3,
     /// The picture. Not serialized, and empty where the frame was read.
     #[serde(skip, default = "no_image")]
     pub image: Image,
@@ -437,6 +441,7 @@ impl<'w> Session<'w> {
         let image = self.device.present(self.target)?;
         Ok(Frame {
             frame,
+            eye: self.scene.camera.at(frame, self.size).eye,
             image_digest: image.digest(),
             image,
             leaves,

@@ -49,6 +49,31 @@ pub(super) mod exact {
     }
 }
 
+/// Points likewise.
+pub(super) mod exact_place {
+    use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer};
+
+    use crate::math::Vec3;
+
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "serde hands fields over by reference"
+    )]
+    pub(in super::super) fn serialize<S: Serializer>(
+        place: &Vec3,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        place.to_array().map(f32::to_bits).serialize(to)
+    }
+
+    pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Vec3, D::Error> {
+        let bits = <[u32; 3]>::deserialize(from)?;
+        Ok(Vec3::from_array(bits.map(f32::from_bits)))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::RunHeader;
+use super::{PathEntry, RunHeader};
 use crate::gpu::{Ledger, Share, Ticks, Traffic, nanoseconds};
 use crate::models::State;
 use crate::run::Frame;
@@ -31,6 +31,9 @@ pub struct RunLedger {
     pub initial: LedgerEntry,
     /// Sums over the frames; of memory figures the greatest.
     pub totals: LedgerEntry,
+    /// Detail along the frames, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathEntry>,
 }
 
 /// What was run, and by what it is modelled.
@@ -184,9 +187,14 @@ impl LedgerHead {
 }
 
 /// The end of the file, after the last frame.
-pub(super) fn closing(initial: &LedgerEntry, totals: &LedgerEntry) -> String {
+pub(super) fn closing(
+    initial: &LedgerEntry,
+    totals: &LedgerEntry,
+    path: Option<&PathEntry>,
+) -> String {
     let (initial, totals) = (json(initial), json(totals));
-    format!("\n],\n\"initial\":{initial},\n\"totals\":{totals}}}\n")
+    let path = path.map_or(String::new(), |path| format!(",\n\"path\":{}", json(path)));
+    format!("\n],\n\"initial\":{initial},\n\"totals\":{totals}{path}}}\n")
 }
 
 impl LedgerEntry {

@@ -15,6 +15,7 @@ mod layers;
 mod ledger;
 mod ops;
 mod page;
+mod path;
 mod rows;
 mod trace;
 
@@ -24,6 +25,7 @@ pub use ledger::{
     WorkEntry,
 };
 pub use ops::OpsReader;
+pub use path::{PING_PONG_FRAMES, PathEntry};
 pub use rows::{FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, run_notes, run_table};
 
 pub(super) use ledger::{json, microseconds};
@@ -33,6 +35,7 @@ use std::path::Path;
 
 use self::ops::OpsWriter;
 use self::page::{Links, Thumbnails, run_page};
+use self::path::PathSum;
 use self::trace::Trace;
 use super::growing::GrowingFile;
 use super::shard::{RunShard, RunShare};
@@ -78,6 +81,7 @@ pub struct RunFolder {
     initial: Ledger,
     totals: LedgerEntry,
     rows: Vec<FrameRow>,
+    path: PathSum,
     states: OpsWriter,
     trace: Trace,
     thumbnails: Thumbnails,
@@ -113,6 +117,7 @@ impl RunFolder {
             initial: initial.clone(),
             totals: LedgerEntry::default(),
             rows: Vec::new(),
+            path: PathSum::default(),
             states: OpsWriter::default(),
             trace,
             thumbnails: Thumbnails::new(),
@@ -179,6 +184,7 @@ impl RunFolder {
             .add(&csv_rows(&number.to_string(), &frame.ledger))?;
         self.ops.add(&self.states.line(number, &frame.states))?;
         let row = FrameRow::of(frame);
+        self.path.add(frame, &row);
         self.timeline.add(&self.trace.frame(&row, &frame.ledger))?;
         self.links.add(&frame.ledger);
         self.rows.push(row);
@@ -196,6 +202,12 @@ impl RunFolder {
         self.folder.write(&format!("frame-{frame:04}.exr"), &file)
     }
 
+    /// How detail followed the camera over the frames so far, if there are several.
+    #[must_use]
+    pub fn path(&self) -> Option<PathEntry> {
+        self.path.entry()
+    }
+
     /// The frames so far.
     #[must_use]
     pub fn rows(&self) -> &[FrameRow] {
@@ -210,7 +222,9 @@ impl RunFolder {
     /// without pictures.
     pub fn finish(mut self) -> Result<Vec<FrameRow>, ReportError> {
         let initial = LedgerEntry::of_ledger(&self.initial);
-        self.ledger.add(&ledger::closing(&initial, &self.totals))?;
+        let path = self.path.entry();
+        let closing = ledger::closing(&initial, &self.totals, path.as_ref());
+        self.ledger.add(&closing)?;
         self.timeline.add(Trace::closing())?;
         for file in [self.ledger, self.transfers, self.ops, self.timeline] {
             file.finish()?;
@@ -222,6 +236,7 @@ impl RunFolder {
             &self.header,
             &self.initial,
             &self.rows,
+            path.as_ref(),
             &self.links,
             self.thumbnails,
         )?;

@@ -1,10 +1,10 @@
 //! `report.html`: a run on one page.
 
-use super::RunHeader;
 use super::ledger::{LedgerHead, microseconds};
 use super::rows::{
     FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, note, run_notes, run_table,
 };
+use super::{PathEntry, RunHeader};
 use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
 use crate::report::thumbnail::shrink;
 use crate::report::{
@@ -150,12 +150,14 @@ pub(super) fn run_page(
     header: &RunHeader,
     initial: &Ledger,
     rows: &[FrameRow],
+    path: Option<&PathEntry>,
     links: &Links,
     mut thumbnails: Thumbnails,
 ) -> Result<String, ReportError> {
     let before = vec![Section::Text(what_was_run(header, rows))];
     let mut after: Vec<Section> = run_notes(rows, header.link)
         .into_iter()
+        .chain(path.map(PathEntry::note))
         .map(Section::Text)
         .collect();
     after.insert(
@@ -364,7 +366,15 @@ mod tests {
             resolved: String::new(),
             resident: Vec::new(),
         };
-        let html = run_page(&header, &Ledger::default(), &[], &Links::new(), thumbnails).unwrap();
+        let html = run_page(
+            &header,
+            &Ledger::default(),
+            &[],
+            None,
+            &Links::new(),
+            thumbnails,
+        )
+        .unwrap();
         assert!(
             (1_000_000..Page::MAX_BYTES).contains(&html.len()),
             "{}",

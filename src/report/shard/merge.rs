@@ -8,7 +8,7 @@ use super::{Job, StepLine};
 use crate::gpu::Ledger;
 use crate::limits;
 use crate::math::index_u32;
-use crate::report::run::{FrameRow, RunFolder, RunHeader};
+use crate::report::run::{FrameRow, PathEntry, RunFolder, RunHeader};
 use crate::report::sweep::{SweepHeader, write_sweep};
 use crate::report::{OutputFolder, Picture, ReportError};
 use crate::run::{Frame, Progress, Sweep, SweepModel};
@@ -22,6 +22,8 @@ pub enum Merged {
         header: Box<RunHeader>,
         /// Its frames in numbers.
         rows: Vec<FrameRow>,
+        /// What the way of the camera was like, if it has one.
+        path: Option<PathEntry>,
     },
     /// A walk.
     Sweep {
@@ -174,8 +176,9 @@ fn merge_run(
     }
     ended(shards)?;
     let header = Box::new(job.header);
+    let path = folder.path();
     let rows = folder.finish()?;
-    Ok(Merged::Run { header, rows })
+    Ok(Merged::Run { header, rows, path })
 }
 
 fn joined_steps(
