@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::LeafErrors;
 use crate::math::{Aabb, Vec3};
 use crate::plant::Plant;
-use crate::simplify::{Clusters, CollapseSequence};
+use crate::simplify::{Clusters, CollapseSequence, measure_leaves};
 
 /// The quad leaves of a plant with their collapses; shared by all models of it.
 #[derive(Debug, Clone)]
@@ -18,6 +18,7 @@ pub struct Crown {
     cluster_centers: Vec<Vec3>,
     bounds: Aabb,
     errors: OnceLock<LeafErrors>,
+    mean_leaf_area: OnceLock<f64>,
 }
 
 impl Crown {
@@ -55,6 +56,7 @@ impl Crown {
             cluster_centers,
             bounds,
             errors: OnceLock::new(),
+            mean_leaf_area: OnceLock::new(),
         }
     }
 
@@ -112,6 +114,16 @@ impl Crown {
     pub fn errors(&self) -> &LeafErrors {
         let errors = || LeafErrors::of(&self.vertices, &self.sequence, &self.clusters);
         self.errors.get_or_init(errors)
+    }
+
+    /// The mean area of an original leaf in square metres of the plant's space; 0 without leaves.
+    #[must_use]
+    pub fn mean_leaf_area(&self) -> f64 {
+        *self.mean_leaf_area.get_or_init(|| {
+            let originals = 0..self.sequence.original_count();
+            let measure = measure_leaves(&self.vertices, &self.sequence, originals);
+            measure.area / f64::from(measure.leaves.max(1))
+        })
     }
 
     /// The bytes of one leaf record: four vertex indices in the order of corner roles, 16 bytes,

@@ -17,7 +17,7 @@
 //! cut into four at the middles of its edges, and each piece takes the child that it lies nearer to.
 //! The bounds add up on the way to the root, so they are generous where collapses go to and fro.
 
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, Vec3, index_u32};
 use crate::simplify::{Clusters, CollapseSequence};
 
 /// The errors of all collapses of a crown, in metres of the plant's own space.
@@ -63,12 +63,12 @@ impl LeafErrors {
         &self.curves[cluster as usize]
     }
 
-    /// The most collapses of a cluster that keep its error within `limit` metres.
+    /// The most collapses of a cluster whose error in metres `fits`; whoever takes an error must take
+    /// all that are less.
     #[must_use]
-    pub fn collapses_within(&self, cluster: u32, limit: f64) -> u32 {
-        let curve = self.curve(cluster);
-        let fits = curve.partition_point(|&error| f64::from(error) <= limit);
-        crate::math::index_u32(fits.saturating_sub(1))
+    pub fn collapses_while(&self, cluster: u32, fits: impl Fn(f32) -> bool) -> u32 {
+        let taken = self.curve(cluster).partition_point(|&error| fits(error));
+        index_u32(taken.saturating_sub(1))
     }
 }
 
@@ -263,7 +263,7 @@ mod tests {
         assert!((errors.of_collapses()[0] - 0.5).abs() < 1e-5);
         assert_eq!(errors.curve(0), [0.0, errors.of_collapses()[0]]);
         assert_eq!(
-            [0.0, 0.49, 0.51].map(|limit| errors.collapses_within(0, limit)),
+            [0.0, 0.49, 0.51].map(|limit| errors.collapses_while(0, |error| error <= limit)),
             [0, 0, 1]
         );
     }
@@ -324,10 +324,10 @@ mod tests {
         let (mut bounds, mut truths) = (0.0, 0.0);
         for seed in 0..30 {
             let mut draws = Stream::new(seed, 0).draws();
-            let vertices: Vec<Vec3> = (0..36)
+            let vertices: Vec<Vec3> = (0..36_u8)
                 .map(|corner| {
                     let offset = Vec3::new(draws.signed(), draws.signed(), draws.signed());
-                    Vec3::new((corner / 4 % 3) as f32, (corner / 12) as f32, 0.0) + 0.6 * offset
+                    Vec3::new(f32::from(corner / 4 % 3), f32::from(corner / 12), 0.0) + 0.6 * offset
                 })
                 .collect();
             for ops in [examples::WSCG, examples::FRAMEWORK] {

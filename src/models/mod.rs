@@ -52,7 +52,11 @@ pub use environment::{Environment, Placement, View};
 pub use errors::LeafErrors;
 pub use format::{LeafFormat, Records, Vertices};
 pub use lodf::{Extraction, Gather};
-pub use select::{Apportionment, Criterion, Extent, apportion, level, select};
+pub use select::{
+    Apportionment, Band, ByDistance, ByScreenError, BySilhouette, ClusterFacts, Criterion, Extent,
+    Importance, Move, Sight, Spent, apportion, gain, level, level_with, select, settle, spend,
+    spread, weights, within_pixels,
+};
 pub use state::State;
 pub use surface::LEAF_GROUP;
 pub use terrain::{Ground, TERRAIN_GROUP};
