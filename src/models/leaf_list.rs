@@ -115,6 +115,11 @@ impl LeafList {
         arguments
     }
 
+    /// What replacing the leaves uploads of a list on the device.
+    pub(super) fn price(leaves: u32) -> u64 {
+        16 * u64::from(leaves) + 4
+    }
+
     /// Replaces the leaves.
     pub(super) fn write(
         &self,

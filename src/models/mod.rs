@@ -9,7 +9,8 @@
 //!
 //! A [`State`] says which leaves show and fully describes what a resident model holds; `select` may
 //! remember what it likes, `commit` may not. Every model and mode shows the same leaves for the
-//! same state, so their pictures are equal bit for bit; they differ in what crosses the bus.
+//! same state, so their pictures are equal bit for bit; they differ in what crosses the bus, which
+//! each instance can tell before it is sent.
 //!
 //! | kind | resident on the device | what one change sends |
 //! |---|---|---|
@@ -121,6 +122,13 @@ pub trait Resident<S = State>: std::fmt::Debug {
     ///
     /// None on the device that it lives on.
     fn commit(&mut self, queue: &mut Queue<'_>, to: &S) -> Result<Change, GpuError>;
+
+    /// The payload bytes that [`commit`](Self::commit) to a state would upload now, exactly.
+    fn price(&self, to: &State) -> u64;
+
+    /// The same for one cluster alone, to so many of its collapses, where the instance stands in a
+    /// variable state and what its clusters cost adds up; else `None`.
+    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64>;
 
     /// Adds the steps that draw it.
     fn draw(&self, steps: &mut Vec<Step>);

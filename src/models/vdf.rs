@@ -247,6 +247,24 @@ impl Resident for VdfResident {
         Ok(change)
     }
 
+    fn price(&self, to: &State) -> u64 {
+        let clusters = self.model.crown.clusters();
+        match self.model.transfer {
+            Transfer::Indices if self.state.counts(clusters) != to.counts(clusters) => {
+                LeafList::price(to.leaf_count(clusters))
+            }
+            Transfer::Indices | Transfer::Host => 0,
+        }
+    }
+
+    /// The list is sent whole, whatever changes.
+    fn cluster_price(&self, _cluster: u32, _collapses: u32) -> Option<u64> {
+        match self.model.transfer {
+            Transfer::Indices => None,
+            Transfer::Host => Some(0),
+        }
+    }
+
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.list.steps);
     }

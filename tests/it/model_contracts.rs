@@ -200,6 +200,14 @@ mod seeded {
             }
         }
 
+        fn price(&self, to: &State) -> u64 {
+            self.inner.price(to)
+        }
+
+        fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
+            self.inner.cluster_price(cluster, collapses)
+        }
+
         fn draw(&self, steps: &mut Vec<Step>) {
             self.inner.draw(steps);
             if self.fault == Fault::StopsShort {

@@ -166,8 +166,31 @@ impl Resident for BlocksResident {
         Ok(change)
     }
 
+    fn price(&self, to: &State) -> u64 {
+        let counts = (0..).zip(to.counts(self.model.crown.clusters()));
+        counts
+            .map(|(cluster, count)| self.price_of(cluster, count))
+            .sum()
+    }
+
+    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
+        let price = || self.price_of(cluster, collapses);
+        matches!(self.state(), State::Variable { .. }).then(price)
+    }
+
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.buffers.steps);
+    }
+}
+
+impl BlocksResident {
+    /// The block's visible records and the draw count, if anything changes.
+    fn price_of(&self, cluster: u32, collapses: u32) -> u64 {
+        if self.groups.groups()[cluster as usize].collapses() == collapses {
+            return 0;
+        }
+        let shown = visible(&self.model.crown, self.model.order, cluster, collapses);
+        16 * shown.len() as u64 + 4
     }
 }
 

@@ -123,6 +123,14 @@ impl Resident for HostResident {
         Ok(change)
     }
 
+    fn price(&self, _to: &State) -> u64 {
+        0
+    }
+
+    fn cluster_price(&self, _cluster: u32, _collapses: u32) -> Option<u64> {
+        Some(0)
+    }
+
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.list.steps);
     }

@@ -157,6 +157,32 @@ impl ClusterSlots {
         content
     }
 
+    /// Goes from one number of collapses to another; returns the slots whose leaf differs, ascending.
+    fn go(&self, cluster: &Cluster, content: &mut [u32], from: u32, to: u32) -> Vec<usize> {
+        let mut before: Vec<(usize, u32)> = Vec::new();
+        let mut note = |content: &[u32], slots: [u32; 2]| {
+            for slot in slots.map(|slot| slot as usize) {
+                if !before.iter().any(|(known, _)| *known == slot) {
+                    before.push((slot, content[slot]));
+                }
+            }
+        };
+        for collapse in from as usize..to as usize {
+            note(content, self.slots[collapse]);
+            self.collapse(content, collapse);
+        }
+        for collapse in (to as usize..from as usize).rev() {
+            note(content, self.slots[collapse]);
+            self.split(cluster, content, collapse);
+        }
+        let differs = before
+            .into_iter()
+            .filter(|&(slot, leaf)| content[slot] != leaf);
+        let mut slots: Vec<usize> = differs.map(|(slot, _)| slot).collect();
+        slots.sort_unstable();
+        slots
+    }
+
     /// Does one collapse; returns the slots that it wrote.
     fn collapse(&self, content: &mut [u32], collapse: usize) -> [Option<usize>; 2] {
         let last = content.len() - collapse - 1;
@@ -245,29 +271,20 @@ impl SlotsResident {
     /// Moves one cluster to its new number of collapses; returns the slots whose leaf differs.
     fn move_cluster(&mut self, number: usize, from: u32, to: u32) -> Vec<usize> {
         let cluster = &self.model.crown.clusters().clusters[number];
-        let (plan, content) = (&self.model.plan[number], &mut self.content[number]);
-        let mut before: Vec<(usize, u32)> = Vec::new();
-        let mut note = |content: &[u32], slots: [u32; 2]| {
-            for slot in slots.map(|slot| slot as usize) {
-                if !before.iter().any(|(known, _)| *known == slot) {
-                    before.push((slot, content[slot]));
-                }
-            }
-        };
-        for collapse in from as usize..to as usize {
-            note(content, plan.slots[collapse]);
-            plan.collapse(content, collapse);
+        self.model.plan[number].go(cluster, &mut self.content[number], from, to)
+    }
+
+    /// The slots that differ and the draw count, if anything changes.
+    fn price_of(&self, cluster: u32, to: u32) -> u64 {
+        let number = cluster as usize;
+        let from = self.groups.groups()[number].collapses();
+        if from == to {
+            return 0;
         }
-        for collapse in (to as usize..from as usize).rev() {
-            note(content, plan.slots[collapse]);
-            plan.split(cluster, content, collapse);
-        }
-        let differs = before
-            .into_iter()
-            .filter(|&(slot, leaf)| content[slot] != leaf);
-        let mut slots: Vec<usize> = differs.map(|(slot, _)| slot).collect();
-        slots.sort_unstable();
-        slots
+        let cluster = &self.model.crown.clusters().clusters[number];
+        let mut content = self.content[number].clone();
+        let slots = self.model.plan[number].go(cluster, &mut content, from, to);
+        16 * slots.len() as u64 + 4
     }
 }
 
@@ -313,6 +330,18 @@ impl Resident for SlotsResident {
         let regions: Vec<Region<'_>> = records.chain(counts).collect();
         send(queue, gather, &regions)?;
         Ok(change)
+    }
+
+    fn price(&self, to: &State) -> u64 {
+        let counts = (0..).zip(to.counts(self.model.crown.clusters()));
+        counts
+            .map(|(cluster, count)| self.price_of(cluster, count))
+            .sum()
+    }
+
+    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
+        let price = || self.price_of(cluster, collapses);
+        matches!(self.state(), State::Variable { .. }).then(price)
     }
 
     fn draw(&self, steps: &mut Vec<Step>) {

@@ -278,6 +278,27 @@ impl Resident for StampsResident {
         })
     }
 
+    fn price(&self, to: &State) -> u64 {
+        let (counter, changed) = match to {
+            State::Uniform { collapses } => (*collapses, 0),
+            State::Variable { counts } => {
+                let wanted = thresholds(self.model.crown.clusters(), counts);
+                let pairs = wanted.iter().zip(&self.thresholds);
+                (VARIABLE, pairs.filter(|(word, held)| word != held).count())
+            }
+        };
+        4 * (u64::from(counter != self.counter_word) + changed as u64)
+    }
+
+    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
+        match &self.state {
+            State::Uniform { .. } => None,
+            State::Variable { counts } => {
+                Some(4 * u64::from(counts[cluster as usize] != collapses))
+            }
+        }
+    }
+
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.steps);
     }

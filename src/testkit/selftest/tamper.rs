@@ -277,6 +277,14 @@ impl Resident for Redrawn {
         self.inner.commit(queue, to)
     }
 
+    fn price(&self, to: &State) -> u64 {
+        self.inner.price(to)
+    }
+
+    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
+        self.inner.cluster_price(cluster, collapses)
+    }
+
     fn draw(&self, steps: &mut Vec<Step>) {
         let mut sound = Vec::new();
         self.inner.draw(&mut sound);
