@@ -3,7 +3,8 @@
 use crate::limits;
 
 use super::{
-    DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, RecordWidth, VertexFormat,
+    CriterionName, DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, RecordWidth,
+    VertexFormat,
 };
 
 /// One key of a scene file.
@@ -335,6 +336,18 @@ pub const KEYS: &[Key] = &[
         "Simplification stops at so many leaves."),
     key("model.level", Kind::Number { min: 0.0, max: 1.0 }, "", Absent::Rule("by distance"),
         "A fixed level in place of distance: 0 all leaves, 1 the fewest."),
+    key("model.criterion", Kind::Choice(CriterionName::NAMES), "", Absent::Value("\"paper\""),
+        "With variable detail: which clusters get the tree's leaves; \"paper\" is by `d_min`, `d_max`."),
+    key("model.leaf_budget", Kind::Integer { min: 1, max: 16_000_000 }, "leaves a tree", Absent::Rule("by distance"),
+        "Exactly so many leaves, from one a cluster to all, spread as `criterion` says."),
+    key("model.leaf_share", Kind::Number { min: 0.0, max: 1.0 }, "", Absent::Rule("by distance"),
+        "The same as a share of all leaves."),
+    key("model.pixel_error", Kind::Number { min: 0.001, max: 10_000.0 }, "pixels", Absent::Rule("by distance"),
+        "The fewest leaves none of which lies farther from its originals than this."),
+    key("model.hysteresis", Kind::Number { min: 0.0, max: 0.5 }, "", Absent::Value("0"),
+        "Detail stays until what is wanted has moved by this share of the range."),
+    key("model.budget_bytes", Kind::Integer { min: 1, max: limits::DEVICE_BYTES }, "bytes a frame", Absent::Rule("no limit"),
+        "Changes of detail upload at most so much payload in a frame, not counting the first's."),
 
     key("device", Kind::Table, "", Absent::Value("{}"),
         "The simulated device."),

@@ -32,8 +32,8 @@ pub use camera::{Camera, CameraKey, Projection, View};
 pub use forest::{Area, Forest, ForestChoice, ForestSpecies, Layout, NoRoom};
 pub use keys::{Absent, KEYS, Key, Kind, key_help};
 pub use model::{
-    DetailKind, DetailRange, Extraction, Gather, Mode, ModelChoice, ModelName, RecordWidth,
-    VertexFormat,
+    CriterionName, DetailKind, DetailRange, Extraction, Gather, LeafAmount, Mode, ModelChoice,
+    ModelName, RecordWidth, VertexFormat,
 };
 pub use parse::{SceneFile, SceneSource};
 pub use terrain::Terrain;

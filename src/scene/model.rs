@@ -79,6 +79,20 @@ choices! {
 }
 
 choices! {
+    /// Which clusters deserve the leaves of a variable level.
+    CriterionName {
+        /// Near ones, by the distances between which detail falls; each for itself, or by a budget.
+        Paper = "paper",
+        /// Near ones, linearly from the nearest to the farthest of the crown.
+        Distance = "distance",
+        /// Those whose collapse shows most.
+        ScreenError = "screen-error",
+        /// Those on the crown's outline.
+        Silhouette = "silhouette",
+    }
+}
+
+choices! {
     /// How the leaves of a level are extracted.
     Extraction {
         /// One collapse or split after another.
@@ -159,6 +173,25 @@ pub struct ModelChoice {
     pub stop_leaves: Option<u32>,
     /// A fixed level from 0 (all leaves) to 1 (fewest), in place of distance.
     pub level: Option<f32>,
+    /// Which clusters deserve the leaves, with variable detail.
+    pub criterion: CriterionName,
+    /// How many leaves a tree shows, in place of distance and level.
+    pub amount: Option<LeafAmount>,
+    /// How far the wanted detail moves before it is gone over to: a share of the range, 0 to ½.
+    pub hysteresis: f32,
+    /// The most payload bytes that changes of detail send in a frame.
+    pub budget_bytes: Option<u64>,
+}
+
+/// How many leaves a tree shows, when distance does not say it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LeafAmount {
+    /// So many; at least one a cluster and at most all.
+    Budget(u32),
+    /// This share of all, from 0 to 1; at least one a cluster.
+    Share(f32),
+    /// As few as keep every leaf's error below so many pixels.
+    PixelError(f32),
 }
 
 /// The distances between which detail falls, in metres.

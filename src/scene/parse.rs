@@ -12,10 +12,10 @@ use crate::math::Digest;
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
-    Area, Camera, CameraKey, DetailKind, DetailRange, DeviceChoice, Extraction, Forest,
-    ForestChoice, ForestSpecies, Gather, Golden, Layout, Light, Mode, ModelChoice, ModelName,
-    NoRoom, PlantSource, Projection, RecordWidth, SampleCount, Scene, SceneError, Terrain, Tree,
-    VertexFormat,
+    Area, Camera, CameraKey, CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction,
+    Forest, ForestChoice, ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode,
+    ModelChoice, ModelName, NoRoom, PlantSource, Projection, RecordWidth, SampleCount, Scene,
+    SceneError, Terrain, Tree, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -350,6 +350,17 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         let wanted = format!("a mode of {:?}: {}", model.name(), names.join(" or "));
         return Err(table.refuse("mode", &wanted));
     }
+    let given: Vec<&str> = ["level", "leaf_budget", "leaf_share", "pixel_error"]
+        .into_iter()
+        .filter(|key| table.has(key))
+        .collect();
+    if let [first, second, ..] = given[..] {
+        let wanted = format!("nothing, since `{first}` says how much detail");
+        return Err(table.refuse(second, &wanted));
+    }
+    let budget = table.get("leaf_budget")?.map(small).map(LeafAmount::Budget);
+    let share = table.get("leaf_share")?.map(LeafAmount::Share);
+    let error = table.get("pixel_error")?.map(LeafAmount::PixelError);
     Ok(ModelChoice {
         name: model,
         mode,
@@ -361,6 +372,10 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         vertices: VertexFormat::from_name(&name("vertices")?).expect(NAMED),
         stop_leaves: table.get("stop_leaves")?.map(small),
         level: table.get("level")?,
+        criterion: CriterionName::from_name(&name("criterion")?).expect(NAMED),
+        amount: budget.or(share).or(error),
+        hysteresis: table.have("hysteresis")?,
+        budget_bytes: table.get("budget_bytes")?,
     })
 }
 

@@ -4,8 +4,8 @@ use crate::math::{Digest, Digester, Vec3};
 
 use super::value::BYTE_UNITS;
 use super::{
-    Camera, Forest, ForestChoice, Golden, ModelChoice, PlantSource, Projection, RecordWidth,
-    SCHEMA, Scene, Terrain, Tree, VertexFormat,
+    Camera, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice, PlantSource,
+    Projection, RecordWidth, SCHEMA, Scene, Terrain, Tree, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -57,11 +57,13 @@ impl Scene {
     /// and the types within declare them: integers up to 32 bits, counts and enums (by the order
     /// of their values) as `u32`, larger ones as `u64`, floats as their bits, texts and lists with
     /// their length as `u64` before them, an absent value as `0u32` and a present one after `1u32`,
-    /// all little-endian. Forests and terrain stand last, each after its name as a text, and only
-    /// where there are any. Left out is [`Tree::plant_digest`], which is an answer, not a question,
-    /// and so are the places that a forest found. [`ModelChoice::records`] and
-    /// [`ModelChoice::vertices`], which came later, are left out where they have their default; else
-    /// they come last in their table, each after its key as text.
+    /// all little-endian. Left out is [`Tree::plant_digest`], which is an answer, not a question, and
+    /// so are the places that a forest found.
+    ///
+    /// What came later stands at the end, after a text that names it, and only where it differs from
+    /// its default: forests, terrain, and `selection` before the model's criterion, amount (by kind
+    /// as `u32`), hysteresis and budget of bytes, which are not where the model is.
+    /// [`ModelChoice::records`] and [`ModelChoice::vertices`] do so within their table.
     #[must_use]
     pub fn digest(&self) -> Digest {
         let mut digester = Digester::new(SCHEMA);
@@ -97,6 +99,7 @@ impl Scene {
         if let Some(terrain) = &self.terrain {
             digest_terrain(digester.text("terrain"), terrain);
         }
+        digest_selection(&mut digester, &self.model);
         digester.finish()
     }
 }
@@ -217,6 +220,17 @@ fn write_model(text: &mut Text, model: &ModelChoice) {
     }
     if let Some(level) = model.level {
         text.key("level", &level.to_string());
+    }
+    text.key("criterion", &quoted(model.criterion.name()));
+    match model.amount {
+        None => {}
+        Some(LeafAmount::Budget(leaves)) => text.key("leaf_budget", &leaves.to_string()),
+        Some(LeafAmount::Share(share)) => text.key("leaf_share", &share.to_string()),
+        Some(LeafAmount::PixelError(pixels)) => text.key("pixel_error", &pixels.to_string()),
+    }
+    text.key("hysteresis", &model.hysteresis.to_string());
+    if let Some(bytes) = model.budget_bytes {
+        text.key("budget_bytes", &bytes.to_string());
     }
 }
 
@@ -341,6 +355,26 @@ fn digest_model(digester: &mut Digester, model: &ModelChoice) {
     }
     if model.vertices != VertexFormat::Float {
         digester.text("vertices").u32(model.vertices as u32);
+    }
+}
+
+fn digest_selection(digester: &mut Digester, model: &ModelChoice) {
+    let (criterion, amount) = (model.criterion, model.amount);
+    let usual = criterion == CriterionName::Paper && amount.is_none();
+    if usual && model.hysteresis == 0.0 && model.budget_bytes.is_none() {
+        return;
+    }
+    digester.text("selection").u32(criterion as u32);
+    match amount {
+        None => _ = digester.u32(0),
+        Some(LeafAmount::Budget(leaves)) => _ = digester.u32(1).u32(leaves),
+        Some(LeafAmount::Share(share)) => _ = digester.u32(2).f32(share),
+        Some(LeafAmount::PixelError(pixels)) => _ = digester.u32(3).f32(pixels),
+    }
+    digester.f32(model.hysteresis);
+    match model.budget_bytes {
+        None => _ = digester.u32(0),
+        Some(bytes) => _ = digester.u32(1).u64(bytes),
     }
 }
 

@@ -147,6 +147,18 @@ fn single_values_out_of_range_are_refused() {
             "7:9: `model.level`: found 1.5, wanted a number from 0 to 1",
         ),
         (
+            ending("[model]\ncriterion = \"beauty\""),
+            "7:13: `model.criterion`: found \"beauty\", wanted \"paper\", \"distance\", \"screen-error\" or \"silhouette\"",
+        ),
+        (
+            ending("[model]\nhysteresis = 0.6"),
+            "7:14: `model.hysteresis`: found 0.6, wanted a number from 0 to 0.5",
+        ),
+        (
+            ending("[model]\nbudget_bytes = 0"),
+            "7:16: `model.budget_bytes`: found 0, wanted an integer from 1 to 4294967296",
+        ),
+        (
             ending("[model]\nstop_leaves = 0"),
             "7:15: `model.stop_leaves`: found 0, wanted an integer from 1 to 16000000",
         ),
@@ -213,6 +225,14 @@ fn values_that_do_not_go_together_are_refused() {
         (
             ending("[model]\nd_min = 60"),
             "6:1: `model.d_max`: found nothing, wanted more than `d_min`, which is 60",
+        ),
+        (
+            ending("[model]\nleaf_share = 0.5\nlevel = 0.5"),
+            "7:14: `model.leaf_share`: found 0.5, wanted nothing, since `level` says how much detail",
+        ),
+        (
+            ending("[model]\nleaf_budget = 9\npixel_error = 2"),
+            "8:15: `model.pixel_error`: found 2, wanted nothing, since `leaf_budget` says how much detail",
         ),
         (
             LEAST.replace("path =", "near = 5\nfar = 5\npath ="),
@@ -449,7 +469,11 @@ fn full_scene_reads_as_written() {
 
 #[test]
 fn resolved_scene_reads_back_equal() {
-    for text in [LEAST, FULL] {
+    let spread = "criterion = \"silhouette\"\nhysteresis = 0.125\nbudget_bytes = 4096";
+    let amounts = ["leaf_budget = 12", "leaf_share = 0.4", "pixel_error = 1.5"];
+    let chosen = amounts.map(|amount| ending(&format!("[model]\n{spread}\n{amount}")));
+    let chosen = chosen.iter().map(String::as_str);
+    for text in [LEAST, FULL].into_iter().chain(chosen) {
         let scene = scene(text);
         let resolved = to_toml(&scene);
         let again = file(&resolved).expect("sound").scene;
@@ -498,6 +522,12 @@ fn digest_knows_the_meaning_not_the_layout() {
         ending("[model]\nlevel = 0"),
         ending("[model]\nrecords = \"compact\""),
         ending("[model]\nvertices = \"quantised\""),
+        ending("[model]\ncriterion = \"distance\""),
+        ending("[model]\nleaf_budget = 7"),
+        ending("[model]\nleaf_share = 0"),
+        ending("[model]\npixel_error = 7"),
+        ending("[model]\nhysteresis = 0.1"),
+        ending("[model]\nbudget_bytes = 7"),
         ending("[golden]"),
         ending("[light]\nambient = [0, 0, 0]"),
         ending("[device]\nlink = \"agp1x\""),
