@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 
 use crate::gpu::{Card, Link};
+use crate::limits::DEVICE_BYTES;
 use crate::run::Shard;
 
 /// Renders trees at any level of detail on a GPU that exists only in software, and counts every
@@ -123,6 +124,10 @@ pub(super) struct RunOptions {
     /// Also write each frame's data layers as EXR
     #[arg(long)]
     pub(super) layers: bool,
+    /// Most payload bytes that changes of detail upload in a frame, in place of the scene's; neither
+    /// the view nor what is there before the first frame counts
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=DEVICE_BYTES))]
+    pub(super) budget_bytes: Option<u64>,
 }
 
 #[derive(Debug, Args)]

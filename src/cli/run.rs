@@ -25,7 +25,7 @@ pub(super) fn run(
 ) -> Result<(), CliError> {
     let progress = terminal.progress();
     let drawing = &options.drawing;
-    let prepared = Prepared::new(
+    let mut prepared = Prepared::new(
         &options.scene,
         Some(drawing),
         Counters::Visible,
@@ -33,6 +33,9 @@ pub(super) fn run(
         terminal,
         &progress,
     )?;
+    if options.budget_bytes.is_some() {
+        prepared.scene.model.budget_bytes = options.budget_bytes;
+    }
     let (scene, world) = (&prepared.scene, &prepared.world);
     let mut session = Session::new(scene, world, &prepared.options)?;
     let target = folder(shared, &scene.name);

@@ -124,11 +124,13 @@ pub trait Resident<S = State>: std::fmt::Debug {
     fn commit(&mut self, queue: &mut Queue<'_>, to: &S) -> Result<Change, GpuError>;
 
     /// The payload bytes that [`commit`](Self::commit) to a state would upload now, exactly.
-    fn price(&self, to: &State) -> u64;
+    fn price(&self, to: &S) -> u64;
 
     /// The same for one cluster alone, to so many of its collapses, where the instance stands in a
-    /// variable state and what its clusters cost adds up; else `None`.
-    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64>;
+    /// variable state and what its clusters cost adds up; else `None`, as where there are no clusters.
+    fn cluster_price(&self, _cluster: u32, _collapses: u32) -> Option<u64> {
+        None
+    }
 
     /// Adds the steps that draw it.
     fn draw(&self, steps: &mut Vec<Step>);

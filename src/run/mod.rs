@@ -12,6 +12,7 @@ mod crowns;
 mod mass;
 mod plants;
 mod progress;
+mod selector;
 mod session;
 mod shard;
 mod sweep;

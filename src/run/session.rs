@@ -3,20 +3,20 @@
 use std::sync::Arc;
 
 use super::RunError;
+use super::selector::Selector;
 use super::shard::exact_place;
 use super::world::World;
 use crate::gpu::{
     Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, ProbedFragment, RenderPass,
     ResourceId, TargetDescriptor, TargetId,
 };
-use crate::math::{Digest, Vec3, Vec4, whole_u32};
+use crate::math::{Digest, Vec3, Vec4};
 use crate::models::{
-    Change, Criterion, Environment, Extent, Extraction, Gather, Ground, Kind, LEAF_GROUP,
-    LeafFormat, ModelOptions, Placement, Records, Resident, Shared, State, Trunk, TrunkKind,
-    TrunkLevel, Vertices, View, select,
+    Change, Environment, Extraction, Gather, Ground, Kind, LEAF_GROUP, LeafFormat, ModelOptions,
+    Placement, Records, Resident, Shared, State, Trunk, TrunkKind, TrunkLevel, Vertices, View,
 };
 use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
-use crate::scene::{self, DetailKind, ImageSize, SampleCount, Scene};
+use crate::scene::{self, ImageSize, SampleCount, Scene};
 
 /// What a session takes beside its scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,7 +122,7 @@ impl SessionOptions {
 pub struct Session<'w> {
     scene: &'w Scene,
     world: &'w World,
-    kind: Kind,
+    selector: Selector,
     size: ImageSize,
     device: Device,
     environment: Environment,
@@ -133,6 +133,7 @@ pub struct Session<'w> {
     residents: Vec<Box<dyn Resident>>,
     initial: Ledger,
     view: Option<View>,
+    deferred: Option<u64>,
     owners: Owners,
 }
 
@@ -192,6 +193,8 @@ pub struct Frame {
     pub ledger: Ledger,
     /// The state of every tree.
     pub states: Vec<State>,
+    /// With a budget of bytes: how many clusters, or trees that change as a whole, it held back.
+    pub deferred: Option<u64>,
 }
 
 impl Frame {
@@ -294,7 +297,7 @@ impl<'w> Session<'w> {
         let mut session = Self {
             scene,
             world,
-            kind: options.kind,
+            selector: Selector::new(options.kind, &scene.model),
             size: options.size,
             device,
             environment,
@@ -304,6 +307,7 @@ impl<'w> Session<'w> {
             residents: Vec::new(),
             initial: Ledger::default(),
             view: None,
+            deferred: None,
             owners,
         };
         let states = session.select(0);
@@ -359,51 +363,38 @@ impl<'w> Session<'w> {
         self.target
     }
 
-    /// The state of every tree at a frame.
+    /// The state of every tree at a frame, from what stands: the first is chosen freely, and what a
+    /// scene's band of hysteresis holds back stays. A budget of bytes is not looked at.
     #[must_use]
     pub fn select(&self, frame: u32) -> Vec<State> {
-        let model = &self.scene.model;
-        let criterion = Criterion {
-            nearest: model.range.d_min(),
-            farthest: model.range.d_max(),
-            extent: match model.detail {
-                DetailKind::Uniform => Extent::Uniform,
-                DetailKind::Variable => Extent::Variable,
-            },
-        };
-        let eye = self.scene.camera.at(frame, self.size).eye;
-        let state = |tree: &super::StandingTree| {
+        let view = self.scene.camera.at(frame, self.size);
+        let state = |(number, tree): (usize, &super::StandingTree)| {
             let crown = &self.world.crowns[tree.crown];
-            match (self.kind.has_levels(), model.level) {
-                (false, _) => State::FINEST,
-                (true, Some(level)) => {
-                    let all = f64::from(crown.sequence().collapse_count());
-                    State::Uniform {
-                        collapses: whole_u32(f64::from(level) * all),
-                    }
-                }
-                (true, None) => {
-                    // Distances are judged in the world: the plant's own space is scaled.
-                    let scaled = Criterion {
-                        nearest: criterion.nearest / tree.placement.scale,
-                        farthest: criterion.farthest / tree.placement.scale,
-                        ..criterion
-                    };
-                    select(crown, scaled, tree.placement.to_plant(eye))
-                }
-            }
+            let present = self.residents.get(number).map(|resident| resident.state());
+            self.selector.chosen(crown, tree, &view, present)
         };
-        self.world.trees.iter().map(state).collect()
+        self.world.trees.iter().enumerate().map(state).collect()
     }
 
-    /// Goes over to the detail of a frame; what it costs is counted with the next frame drawn, or
-    /// dropped by [`skip`](Self::skip).
+    /// Goes over to the detail of a frame, as far as the scene's budget of bytes allows; what it
+    /// costs is counted with the next frame drawn, or dropped by [`skip`](Self::skip).
     ///
     /// # Errors
     ///
     /// None on this session's own device.
     pub fn commit(&mut self, frame: u32) -> Result<Change, RunError> {
-        let states = self.select(frame);
+        let wanted = self.select(frame);
+        let view = self.scene.camera.at(frame, self.size);
+        let afforded = self
+            .selector
+            .afforded(self.world, &self.residents, &wanted, &view);
+        let states = match afforded {
+            None => wanted,
+            Some(afforded) => {
+                self.deferred = Some(afforded.deferred);
+                afforded.states
+            }
+        };
         self.commit_states(&states)
     }
 
@@ -453,6 +444,7 @@ impl<'w> Session<'w> {
                 .iter()
                 .map(|resident| resident.state().clone())
                 .collect(),
+            deferred: self.deferred.take(),
         })
     }
 

@@ -2,14 +2,13 @@
 
 use super::RunError;
 use super::progress::Progress;
+use super::selector::Selector;
 use super::session::{Session, SessionOptions};
 use super::shard::{Shard, exact};
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
 use crate::math::Digest;
-use crate::models::{
-    Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, Vertices, level,
-};
+use crate::models::{Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, Vertices};
 use crate::scene::Scene;
 use crate::simplify::measure_leaves;
 
@@ -253,7 +252,8 @@ impl SweepModel {
 }
 
 /// Walks every model along the axis of detail, seen from the camera of frame 0. Step `i` of `N` stands at
-/// `floor(i · C / N)` collapses of each plant.
+/// `floor(i · C / N)` collapses of each tree: of the sequence, or where the scene's detail is variable
+/// spread over the clusters as its criterion says.
 ///
 /// # Errors
 ///
@@ -267,7 +267,10 @@ pub fn sweep(
     let mut models = Vec::new();
     // What is measured depends on the leaves alone, which all models share.
     let measures: Vec<(f64, u64)> = (0..=options.steps)
-        .map(|step| measure(world, step, options.steps))
+        .map(|step| {
+            let states = states_at(scene, world, options, Kind::LodfCluster, step);
+            measure(world, &states)
+        })
         .collect();
     for &variant in &options.variants {
         progress.begin(&variant.label(), u64::from(options.steps) + 1);
@@ -301,16 +304,13 @@ fn walk(
     // The walk begins at full detail, whatever the distance.
     let mut finest = scene.clone();
     finest.model.level = Some(0.0);
+    finest.model.budget_bytes = None;
     let mut session = Session::new(&finest, world, &session_options)?;
     let initial = session.initial().clone();
     let resident = session.device().resident_by_label();
     let mut steps = Vec::new();
     for step in 0..=options.steps {
-        let state = |tree: &super::StandingTree| match variant.kind.has_levels() {
-            true => level(&world.crowns[tree.crown], step, options.steps),
-            false => State::FINEST,
-        };
-        let states: Vec<State> = world.trees.iter().map(state).collect();
+        let states = states_at(scene, world, options, variant.kind, step);
         let change = session.commit_states(&states)?;
         if !options.shard.draws(step) {
             session.forget(0)?;
@@ -343,17 +343,40 @@ fn walk(
     })
 }
 
-/// Area and folded leaves over all trees at a step.
-fn measure(world: &World, step: u32, steps: u32) -> (f64, u64) {
-    let of_crown = |crown: &std::sync::Arc<crate::models::Crown>| {
-        let visible = level(crown, step, steps).visible(crown.clusters());
-        let measure = measure_leaves(crown.vertices(), crown.sequence(), visible);
-        (measure.area, u64::from(measure.folded))
+/// The states of all trees at a step.
+fn states_at(
+    scene: &Scene,
+    world: &World,
+    options: &SweepOptions,
+    kind: Kind,
+    step: u32,
+) -> Vec<State> {
+    let selector = Selector::new(kind, &scene.model);
+    let view = scene.camera.at(0, options.session.size);
+    let state = |tree: &super::StandingTree| {
+        let crown = &world.crowns[tree.crown];
+        selector.at_step(crown, tree, &view, [step, options.steps])
     };
-    let of_crowns: Vec<(f64, u64)> = world.crowns.iter().map(of_crown).collect();
-    world.trees.iter().fold((0.0, 0), |(area, folded), tree| {
+    world.trees.iter().map(state).collect()
+}
+
+/// Area and folded leaves over all trees.
+fn measure(world: &World, states: &[State]) -> (f64, u64) {
+    // Trees of a plant that show the same, as all do where detail is uniform, are measured once.
+    let mut last: Vec<Option<(&State, f64, u64)>> = vec![None; world.crowns.len()];
+    let trees = world.trees.iter().zip(states);
+    trees.fold((0.0, 0), |(area, folded), (tree, state)| {
+        let (_, one_area, one_folded) = match last[tree.crown] {
+            Some(known) if known.0 == state => known,
+            _ => {
+                let crown = &world.crowns[tree.crown];
+                let visible = state.visible(crown.clusters());
+                let measure = measure_leaves(crown.vertices(), crown.sequence(), visible);
+                (state, measure.area, u64::from(measure.folded))
+            }
+        };
+        last[tree.crown] = Some((state, one_area, one_folded));
         let scale = f64::from(tree.placement.scale);
-        let (one_area, one_folded) = of_crowns[tree.crown];
         (area + one_area * scale * scale, folded + one_folded)
     })
 }

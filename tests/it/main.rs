@@ -19,6 +19,7 @@ mod model_contracts;
 mod raster;
 mod report;
 mod scene;
+mod select;
 mod selftest;
 mod shards;
 mod shrinking;

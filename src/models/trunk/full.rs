@@ -105,6 +105,10 @@ impl Resident<TrunkLevel> for FullResident {
         Ok(Change::default())
     }
 
+    fn price(&self, _to: &TrunkLevel) -> u64 {
+        0
+    }
+
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.steps);
     }

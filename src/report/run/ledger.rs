@@ -104,6 +104,9 @@ pub struct LedgerEntry {
     pub splits: u64,
     /// Clusters whose detail changed.
     pub clusters_touched: u64,
+    /// With a budget of bytes a frame: clusters, or trees that change as a whole, that it held back.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deferred: Option<u64>,
     /// Shares of all streams by kind of cause.
     pub by_cause: BTreeMap<String, ShareEntry>,
     /// Shares of all streams by label.
@@ -214,6 +217,7 @@ impl LedgerEntry {
             collapses: u64::from(frame.change.collapses),
             splits: u64::from(frame.change.splits),
             clusters_touched: u64::from(frame.change.clusters_touched),
+            deferred: frame.deferred,
             ..Self::of_ledger(&frame.ledger)
         }
     }
@@ -274,6 +278,9 @@ impl LedgerEntry {
         self.collapses += frame.collapses;
         self.splits += frame.splits;
         self.clusters_touched += frame.clusters_touched;
+        if let Some(deferred) = frame.deferred {
+            *self.deferred.get_or_insert_default() += deferred;
+        }
         add_shares(&mut self.by_cause, &frame.by_cause);
         add_shares(&mut self.by_buffer, &frame.by_buffer);
         if let Some(compute) = frame.compute {

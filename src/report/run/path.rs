@@ -129,6 +129,7 @@ mod tests {
 
     fn frame(number: u32, x: f32, levels: [u32; 2]) -> Frame {
         Frame {
+            deferred: None,
             frame: number,
             eye: Vec3::new(x, 2.0, 0.0),
             image: Image {

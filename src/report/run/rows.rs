@@ -38,6 +38,8 @@ pub struct FrameRow {
     pub upload_by_cause: BTreeMap<String, u64>,
     /// Modelled time on the card, under exact counters.
     pub gpu_ticks: Option<Ticks>,
+    /// With a budget of bytes: clusters, or trees that change as a whole, that it held back.
+    pub deferred: Option<u64>,
 }
 
 impl FrameRow {
@@ -50,6 +52,7 @@ impl FrameRow {
             triangles: frame.triangles,
             fetch: frame.ledger.fetch,
             gpu_ticks: frame.ledger.gpu_ticks,
+            deferred: frame.deferred,
             ..Self::default()
         };
         // Shares are exact by cause also where one transfer has several, but of all streams.
@@ -101,6 +104,9 @@ impl FrameRow {
             }
             if let Some(ticks) = row.gpu_ticks {
                 *sum.gpu_ticks.get_or_insert_default() += ticks;
+            }
+            if let Some(deferred) = row.deferred {
+                *sum.deferred.get_or_insert_default() += deferred;
             }
         }
         sum
@@ -176,6 +182,14 @@ pub fn run_notes(rows: &[FrameRow], link: Link) -> Vec<String> {
         note("Changes of detail", &sum.changes),
         note("The view, apart", &sum.view),
     ];
+    if let Some(deferred) = sum.deferred {
+        let frames = rows.iter().filter(|row| row.deferred > Some(0)).count();
+        notes.push(format!(
+            "The budget of bytes held back {} changes of clusters or trees, in {frames} of {} frames.",
+            grouped(deferred, ","),
+            rows.len(),
+        ));
+    }
     if sum.fetch.transfers > 0 {
         notes.push(note("Fetched by draws", &sum.fetch));
     }
