@@ -65,6 +65,7 @@ impl Model for Full {
             host_bytes: 0,
             shared_bytes: self.leaves.vertex_size() + self.leaves.key_size(),
             instance_bytes: 0,
+            instance_host_bytes: 0,
         }
     }
 }
@@ -114,5 +115,9 @@ impl Resident for FullResident {
 
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.steps);
+    }
+
+    fn host_bytes(&self) -> u64 {
+        0
     }
 }

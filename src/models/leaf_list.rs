@@ -21,6 +21,8 @@ pub(super) struct LeafList {
     number: u32,
     causes: [Cause; 2],
     pub(super) steps: Vec<Step>,
+    /// What lies in host memory.
+    pub(super) host_bytes: u64,
 }
 
 impl LeafList {
@@ -60,6 +62,10 @@ impl LeafList {
             arguments,
             number,
             causes,
+            host_bytes: match residency {
+                Residency::Host => room + size,
+                Residency::Device => 0,
+            },
             steps: surface.draw_records(records, arguments, draws),
         };
         let mut queue = device.queue();
@@ -73,7 +79,7 @@ impl LeafList {
         Ok(list)
     }
 
-    /// Bytes of an instance, where they lie on the device.
+    /// Bytes of an instance, on the device or on the host.
     pub(super) fn size(crown: &Crown, bytes: &LeafBytes) -> u64 {
         let draws = u64::from(Self::draws(crown, bytes));
         Self::room(crown, bytes) + bytes.argument_stride() * draws
@@ -116,8 +122,12 @@ impl LeafList {
     }
 
     /// What replacing the leaves uploads of a list on the device.
-    pub(super) fn price(leaves: u32) -> u64 {
-        16 * u64::from(leaves) + 4
+    pub(super) fn price((crown, bytes): (&Crown, &LeafBytes), leaves: u32) -> u64 {
+        let arguments = match bytes.format.records {
+            Records::Wide => 4,
+            Records::Compact => bytes.argument_stride() * u64::from(Self::draws(crown, bytes)),
+        };
+        bytes.stride() * u64::from(leaves) + arguments
     }
 
     /// Replaces the leaves.

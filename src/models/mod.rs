@@ -134,6 +134,10 @@ pub trait Resident<S = State>: std::fmt::Debug {
 
     /// Adds the steps that draw it.
     fn draw(&self, steps: &mut Vec<Step>);
+
+    /// What it alone keeps in host memory, in bytes, by the lengths of its arrays: the state and what
+    /// the model needs beside it. Numbers of buffers and of the instance are not counted.
+    fn host_bytes(&self) -> u64;
 }
 
 /// What a change of state took.
@@ -168,6 +172,8 @@ pub struct Storage {
     pub shared_bytes: u64,
     /// In device memory, once an instance.
     pub instance_bytes: u64,
+    /// In host memory, once an instance, where every cluster has its own number of collapses.
+    pub instance_host_bytes: u64,
 }
 
 /// All models and modes.

@@ -54,6 +54,15 @@ impl State {
         originals - self.collapse_count()
     }
 
+    /// What it takes to keep: 4 bytes, and 4 a cluster where each has its own number.
+    #[must_use]
+    pub fn host_bytes(&self) -> u64 {
+        match self {
+            Self::Uniform { .. } => 4,
+            Self::Variable { counts } => 4 + 4 * counts.len() as u64,
+        }
+    }
+
     /// How many collapses are done over all clusters.
     #[must_use]
     pub fn collapse_count(&self) -> u32 {

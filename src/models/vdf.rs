@@ -152,17 +152,23 @@ impl Model for Vdf {
 
     fn storage(&self) -> Storage {
         let (vertices, keys) = (self.leaves.vertex_size(), self.leaves.key_size());
-        let leaves = 28 * u64::from(self.crown.sequence().record_count());
+        let records = u64::from(self.crown.sequence().record_count());
+        let leaves = 28 * records;
+        let list = LeafList::size(&self.crown, &self.leaves);
+        let state = 4 + 4 * u64::from(self.crown.sequence().root_count());
+        let links = 8 * (records + 1);
         match self.transfer {
             Transfer::Host => Storage {
                 host_bytes: vertices + leaves,
                 shared_bytes: keys,
                 instance_bytes: 0,
+                instance_host_bytes: state + links + list,
             },
             Transfer::Indices => Storage {
                 host_bytes: leaves,
                 shared_bytes: vertices + keys,
-                instance_bytes: LeafList::size(&self.crown, &self.leaves),
+                instance_bytes: list,
+                instance_host_bytes: state + links,
             },
         }
     }
@@ -251,7 +257,10 @@ impl Resident for VdfResident {
         let clusters = self.model.crown.clusters();
         match self.model.transfer {
             Transfer::Indices if self.state.counts(clusters) != to.counts(clusters) => {
-                LeafList::price(to.leaf_count(clusters))
+                LeafList::price(
+                    (&self.model.crown, &self.model.leaves),
+                    to.leaf_count(clusters),
+                )
             }
             Transfer::Indices | Transfer::Host => 0,
         }
@@ -267,6 +276,11 @@ impl Resident for VdfResident {
 
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.list.steps);
+    }
+
+    fn host_bytes(&self) -> u64 {
+        let links = self.active.next.len() + self.active.previous.len();
+        self.state.host_bytes() + 4 * links as u64 + self.list.host_bytes
     }
 }
 

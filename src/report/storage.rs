@@ -82,6 +82,8 @@ pub struct ModelStorage {
     pub shared_bytes: u64,
     /// In device memory, once an instance.
     pub instance_bytes: u64,
+    /// In host memory, once an instance.
+    pub instance_host_bytes: u64,
 }
 
 /// What it takes to keep a crown: the accountings as they are handed in, and what every model of it
@@ -108,6 +110,7 @@ pub fn storage_report(
             host_bytes: storage.host_bytes,
             shared_bytes: storage.shared_bytes,
             instance_bytes: storage.instance_bytes,
+            instance_host_bytes: storage.instance_host_bytes,
         }
     };
     StorageReport {
@@ -171,19 +174,27 @@ impl StorageReport {
     pub fn model_table(&self) -> Table {
         let leaves = self.counts.leaves.max(1) as f64;
         let row = |entry: &ModelStorage| {
-            let all = entry.host_bytes + entry.shared_bytes + entry.instance_bytes;
+            let instance = entry.instance_bytes + entry.instance_host_bytes;
+            let all = entry.host_bytes + entry.shared_bytes + instance;
             vec![
                 Cell::Text(entry.model.clone()),
                 Cell::Count(entry.host_bytes),
                 Cell::Count(entry.shared_bytes),
                 Cell::Count(entry.instance_bytes),
+                Cell::Count(entry.instance_host_bytes),
                 Cell::Number {
                     value: all as f64 / leaves,
                     digits: 2,
                 },
             ]
         };
-        let numbers = ["host, B", "shared, B", "instance, B", "B/leaf"];
+        let numbers = [
+            "host, B",
+            "shared, B",
+            "instance, B",
+            "on host, B",
+            "B/leaf",
+        ];
         let columns = numbers.into_iter().map(Column::numbers);
         Table {
             columns: [Column::words("model")]
@@ -211,7 +222,7 @@ impl StorageReport {
             "{}: {leaves} leaves, {vertices} vertices, {collapses} collapses,\n\
              {records} leaves old and new, {groups} clusters\n\n\
              By the papers' accounting\n{}\n\
-             As built: host and shared once a species, instance once a tree\n{}\n{notes}",
+             As built: host and shared once a species, instance and its part on the host once a tree\n{}\n{notes}",
             self.plant,
             self.accounting_table().to_text(width),
             self.model_table().to_text(width)

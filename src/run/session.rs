@@ -198,6 +198,23 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// A frame of nothing, for tests to fill in.
+    #[cfg(test)]
+    pub(crate) fn blank() -> Self {
+        Self {
+            frame: 0,
+            eye: Vec3::ZERO,
+            image: no_image(),
+            image_digest: Digest([0; 32]),
+            leaves: 0,
+            triangles: 0,
+            change: Change::default(),
+            ledger: Ledger::default(),
+            states: Vec::new(),
+            deferred: None,
+        }
+    }
+
     /// Gives a frame that was read its picture back: R, G, B, A of each pixel, row by row from the
     /// top. Whether it is the frame's own, its digest says.
     pub fn set_image(&mut self, [width, height]: [u32; 2], rgba: Vec<u8>) {

@@ -356,10 +356,46 @@ fn storage_is_what_lies_there() {
                 models.map(|(_, bytes)| bytes).sum::<u64>()
             };
             assert_eq!(held(&device), storage.shared_bytes, "{label}");
+            let hosted = |device: &Device| {
+                let lists = device
+                    .buffers()
+                    .filter(|(_, label)| label.starts_with("leaf list"));
+                let bytes = |(id, label): (_, &str)| match (kind, label) {
+                    // On the device, but for its lengths.
+                    (Kind::VdfIndices, _) => 0,
+                    _ => device.inspect_buffer(id).expect("it lives").len() as u64,
+                };
+                lists.map(bytes).sum::<u64>()
+            };
+            // A variable state, which takes the most.
+            let counts = crown.clusters().clusters.iter();
+            let counts = counts.map(|cluster| cluster.original_count() - 1).collect();
+            let states = match kind.has_levels() {
+                true => [(); 2].map(|()| State::Variable {
+                    counts: Vec::clone(&counts),
+                }),
+                false => [State::FINEST, State::FINEST],
+            };
             for instance in 1..=2 {
-                shared
-                    .instance(&mut device, &State::FINEST, instance - 1)
+                let before = hosted(&device);
+                let state = &states[instance as usize - 1];
+                let mut resident = shared
+                    .instance(&mut device, state, instance - 1)
                     .expect("memory suffices");
+                // What it says it keeps on the host holds what lies there for the device to read.
+                let lists = hosted(&device) - before;
+                assert_eq!(
+                    resident.host_bytes(),
+                    storage.instance_host_bytes,
+                    "{label}"
+                );
+                assert!(resident.host_bytes() >= lists, "{label}");
+                for state in [&State::FINEST, state] {
+                    let mut queue = device.queue();
+                    resident.commit(&mut queue, state).expect("our own device");
+                    assert!(resident.host_bytes() <= storage.instance_host_bytes);
+                }
+                assert_eq!(resident.host_bytes(), storage.instance_host_bytes);
                 let wanted = storage.shared_bytes + u64::from(instance) * storage.instance_bytes;
                 assert_eq!(held(&device), wanted, "{label} with {instance}");
             }

@@ -208,6 +208,10 @@ mod seeded {
             self.inner.cluster_price(cluster, collapses)
         }
 
+        fn host_bytes(&self) -> u64 {
+            self.inner.host_bytes()
+        }
+
         fn draw(&self, steps: &mut Vec<Step>) {
             self.inner.draw(steps);
             if self.fault == Fault::StopsShort {

@@ -8,12 +8,11 @@ use super::super::surface::{Surface, Uploaded, filled};
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
-use super::groups::{Group, Groups};
-use super::{Extraction, block_starts, host_bytes, host_size};
+use super::groups::Groups;
+use super::{Extraction, block_starts, host_bytes, host_size, instance_host_size};
 use crate::gpu::{
     BufferId, Cause, Device, GpuError, IndirectRecord, Queue, Residency, Step, Usage,
 };
-use crate::math::index_u32;
 use crate::simplify::literal_visible;
 
 /// Which leaves of a cluster are taken for visible.
@@ -33,6 +32,8 @@ pub(in super::super) enum Order {
 pub(in super::super) struct Blocks {
     crown: Arc<Crown>,
     leaves: LeafBytes,
+    /// Where each cluster's block begins.
+    starts: Arc<[u32]>,
     order: Order,
     extraction: Extraction,
 }
@@ -41,6 +42,7 @@ impl Blocks {
     pub(in super::super) fn new(crown: Arc<Crown>, order: Order, options: ModelOptions) -> Self {
         Self {
             leaves: LeafBytes::new(&crown, options.format),
+            starts: block_starts(&crown).into(),
             crown,
             order,
             extraction: options.extraction,
@@ -88,6 +90,7 @@ impl Model for Blocks {
             host_bytes: host_size(&self.crown),
             shared_bytes: self.leaves.vertex_size() + self.leaves.key_size(),
             instance_bytes: BlockBuffers::instance_bytes(&self.crown, &self.leaves),
+            instance_host_bytes: instance_host_size(&self.crown),
         }
     }
 }
@@ -101,25 +104,20 @@ impl Shared for Uploaded<Blocks> {
     ) -> Result<Box<dyn Resident>, GpuError> {
         let Blocks { crown, leaves, .. } = &self.model;
         let groups = Groups::at(crown.clusters(), state);
-        let starts = block_starts(crown);
+        let starts = &*self.model.starts;
         let stride = leaves.format.record_bytes() as usize;
         let mut bytes = vec![0; stride * crown.sequence().original_count() as usize];
-        for ((cluster, group), &start) in (0..).zip(groups.groups()).zip(&starts) {
-            let shown = visible(crown, self.model.order, cluster, group.collapses());
+        for ((cluster, &count), &start) in (0..).zip(groups.collapses()).zip(starts) {
+            let shown = visible(crown, self.model.order, cluster, count);
             let records = leaves.records(shown);
             bytes[stride * start as usize..][..records.len()].copy_from_slice(&records);
         }
-        let buffers = BlockBuffers::create(
-            device,
-            (crown, leaves),
-            &self.surface,
-            &bytes,
-            groups.groups(),
-            number,
-        )?;
+        let arguments = draw_arguments((crown, leaves), starts, groups.collapses(), number);
+        let clusters = crown.sequence().root_count();
+        let surface = &self.surface;
+        let buffers = BlockBuffers::create(device, surface, &bytes, &arguments, clusters)?;
         Ok(Box::new(BlocksResident {
             model: self.model.clone(),
-            starts,
             buffers,
             groups,
         }))
@@ -129,7 +127,6 @@ impl Shared for Uploaded<Blocks> {
 #[derive(Debug)]
 struct BlocksResident {
     model: Blocks,
-    starts: Vec<u32>,
     buffers: BlockBuffers,
     groups: Groups,
 }
@@ -143,19 +140,20 @@ impl Resident for BlocksResident {
         let Blocks {
             crown,
             leaves,
+            starts,
             order,
             extraction,
         } = &self.model;
         let (mut change, touched) = self.groups.extract(crown.clusters(), to, *extraction);
         for (cluster, _) in touched {
-            let group = self.groups.groups()[cluster as usize];
-            let shown = visible(crown, *order, cluster, group.collapses());
+            let count = self.groups.collapses()[cluster as usize];
+            let shown = visible(crown, *order, cluster, count);
             change.host_records += shown.len() as u64;
             let bytes = leaves.records(shown);
-            let offset = leaves.stride() * u64::from(self.starts[cluster as usize]);
+            let offset = leaves.stride() * u64::from(starts[cluster as usize]);
             let cause = Cause::numbered("cluster", cluster);
             queue.write(self.buffers.records, offset, &bytes, cause)?;
-            let (offset, count) = BlockBuffers::draw_count(leaves, cluster, group);
+            let (offset, count) = BlockBuffers::draw_count((crown, leaves), cluster, count);
             queue.write(
                 self.buffers.arguments,
                 offset,
@@ -181,16 +179,20 @@ impl Resident for BlocksResident {
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.buffers.steps);
     }
+
+    fn host_bytes(&self) -> u64 {
+        self.groups.host_bytes()
+    }
 }
 
 impl BlocksResident {
     /// The block's visible records and the draw count, if anything changes.
     fn price_of(&self, cluster: u32, collapses: u32) -> u64 {
-        if self.groups.groups()[cluster as usize].collapses() == collapses {
+        if self.groups.collapses()[cluster as usize] == collapses {
             return 0;
         }
         let shown = visible(&self.model.crown, self.model.order, cluster, collapses);
-        16 * shown.len() as u64 + 4
+        self.model.leaves.stride() * shown.len() as u64 + 4
     }
 }
 
@@ -223,38 +225,56 @@ impl BlockBuffers {
 
     pub(super) fn create(
         device: &mut Device,
-        (crown, leaves): (&Crown, &LeafBytes),
         surface: &Surface,
         records: &[u8],
-        groups: &[Group],
-        number: u32,
+        arguments: &[u8],
+        clusters: u32,
     ) -> Result<Self, GpuError> {
-        let arguments: Vec<u8> = (0..)
-            .zip(groups)
-            .zip(block_starts(crown))
-            .flat_map(|((cluster, group), start)| {
-                let record = IndirectRecord {
-                    corner_count: 4 * group.active_leaves,
-                    instances: 1,
-                    first_corner: 4 * start,
-                    instance: number,
-                };
-                leaves.argument_bytes(record, cluster)
-            })
-            .collect();
         let cause = Cause::of("records");
         let records = filled(device, "leaf records", Usage::INDEX, records, cause)?;
-        let arguments = filled(device, "draw arguments", Usage::INDIRECT, &arguments, cause)?;
+        let arguments = filled(device, "draw arguments", Usage::INDIRECT, arguments, cause)?;
         Ok(Self {
             records,
             arguments,
-            steps: surface.draw_records(records, arguments, index_u32(groups.len())),
+            steps: surface.draw_records(records, arguments, clusters),
         })
     }
 
-    /// Where a cluster's number of corners lies in the arguments, and its bytes.
-    pub(super) fn draw_count(leaves: &LeafBytes, cluster: u32, group: Group) -> (u64, [u8; 4]) {
+    /// Where a cluster's number of corners lies in the arguments, and its bytes after so many
+    /// collapses.
+    pub(super) fn draw_count(
+        (crown, leaves): (&Crown, &LeafBytes),
+        cluster: u32,
+        collapses: u32,
+    ) -> (u64, [u8; 4]) {
         let offset = leaves.argument_stride() * u64::from(cluster);
-        (offset, (4 * group.active_leaves).to_le_bytes())
+        let count = corner_count(crown, cluster, collapses);
+        (offset, count.to_le_bytes())
     }
+}
+
+/// The draw arguments of all clusters, whose blocks begin at `starts`, after so many collapses in
+/// each.
+pub(super) fn draw_arguments(
+    (crown, leaves): (&Crown, &LeafBytes),
+    starts: &[u32],
+    collapses: &[u32],
+    number: u32,
+) -> Vec<u8> {
+    let argument = |((cluster, &start), &collapses): ((u32, &u32), &u32)| {
+        let record = IndirectRecord {
+            corner_count: corner_count(crown, cluster, collapses),
+            instances: 1,
+            first_corner: 4 * start,
+            instance: number,
+        };
+        leaves.argument_bytes(record, cluster)
+    };
+    let clusters = (0..).zip(starts).zip(collapses);
+    clusters.flat_map(argument).collect()
+}
+
+fn corner_count(crown: &Crown, cluster: u32, collapses: u32) -> u32 {
+    let cluster = &crown.clusters().clusters[cluster as usize];
+    4 * (cluster.original_count() - collapses)
 }

@@ -15,55 +15,27 @@ pub enum Extraction {
     Batched,
 }
 
-/// What an instance keeps of its clusters on the host.
+/// What an instance keeps on the host: the cursor, and the collapses done in each cluster.
+///
+/// The papers keep `Init_group` and `Active_leaves` of each cluster, 8 bytes
+/// ([RRCGR](crate::references), Figure 10). After `c` collapses of a cluster of `m` leaves they are
+/// `2 c` and `m − c`, so the number of collapses alone says both: 4 bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Groups {
     state: State,
-    groups: Vec<Group>,
-}
-
-/// The papers' `Group`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Group {
-    /// Position of the first leaf that may be visible: twice the collapses done.
-    pub(super) init_group: u32,
-    /// How many leaves are visible.
-    pub(super) active_leaves: u32,
-    /// Operations counted, not applied yet: collapses positive, splits negative.
-    changes_number: i64,
-}
-
-impl Group {
-    /// Collapses done.
-    pub(super) fn collapses(self) -> u32 {
-        self.init_group / 2
-    }
-
-    fn apply(&mut self, collapses: i64) {
-        let moved = |value: u32, by: i64| {
-            u32::try_from(i64::from(value) + by).expect("states lie within the sequence")
-        };
-        self.init_group = moved(self.init_group, 2 * collapses);
-        self.active_leaves = moved(self.active_leaves, -collapses);
-    }
+    /// The collapses done in each cluster of a uniform state; a variable one holds them itself.
+    uniform: Vec<u32>,
 }
 
 impl Groups {
     /// The clusters in a state.
     pub(super) fn at(clusters: &Clusters, state: &State) -> Self {
-        let counts = state.counts(clusters);
-        let groups = clusters
-            .clusters
-            .iter()
-            .zip(counts)
-            .map(|(cluster, count)| Group {
-                init_group: 2 * count,
-                active_leaves: cluster.original_count() - count,
-                changes_number: 0,
-            });
         Self {
             state: state.clone(),
-            groups: groups.collect(),
+            uniform: match state {
+                State::Uniform { collapses } => clusters.uniform(*collapses),
+                State::Variable { .. } => Vec::new(),
+            },
         }
     }
 
@@ -71,8 +43,17 @@ impl Groups {
         &self.state
     }
 
-    pub(super) fn groups(&self) -> &[Group] {
-        &self.groups
+    /// The collapses done in each cluster.
+    pub(super) fn collapses(&self) -> &[u32] {
+        match &self.state {
+            State::Uniform { .. } => &self.uniform,
+            State::Variable { counts } => counts,
+        }
+    }
+
+    /// The bytes of all this.
+    pub(super) fn host_bytes(&self) -> u64 {
+        self.state.host_bytes() + 4 * self.uniform.len() as u64
     }
 
     /// Goes over to another state. Returns what it took, and the clusters whose detail changed with
@@ -95,33 +76,29 @@ impl Groups {
                 } else {
                     (entries(*to, *from), -1)
                 };
-                touched.extend(
-                    list.iter()
-                        .map(|&group| (group, self.groups[group as usize].collapses())),
-                );
-                touched.sort_unstable();
-                touched.dedup();
+                let mut by_group = list.to_vec();
+                by_group.sort_unstable();
+                let changes = by_group.chunk_by(|a, b| a == b);
+                let changes: Vec<(u32, i64)> = changes
+                    .map(|same| (same[0], step * i64::from(index_u32(same.len()))))
+                    .collect();
+                let before = |&(group, _): &(u32, i64)| (group, self.uniform[group as usize]);
+                touched.extend(changes.iter().map(before));
                 match extraction {
                     Extraction::Single => {
-                        let one_by_one: Vec<u32> = if step > 0 {
-                            list.to_vec()
-                        } else {
-                            list.iter().rev().copied().collect()
-                        };
+                        let mut one_by_one = list.to_vec();
+                        if step < 0 {
+                            one_by_one.reverse();
+                        }
                         for group in one_by_one {
-                            self.groups[group as usize].apply(step);
+                            apply(&mut self.uniform[group as usize], step);
                         }
                         // The entry, then the group read and written.
                         change.host_records += 3 * list.len() as u64;
                     }
                     Extraction::Batched => {
-                        for &group in list {
-                            self.groups[group as usize].changes_number += step;
-                        }
-                        for &(group, _) in &touched {
-                            let group = &mut self.groups[group as usize];
-                            let changes = std::mem::take(&mut group.changes_number);
-                            group.apply(changes);
+                        for &(group, step) in &changes {
+                            apply(&mut self.uniform[group as usize], step);
                         }
                         change.host_records += 3 * list.len() as u64 + 2 * touched.len() as u64;
                     }
@@ -130,26 +107,31 @@ impl Groups {
             // Out of sequence: every cluster gets its own number (Algorithm 4). On the way back to
             // uniform the cursor alone says nothing; the counts follow from the first operations.
             (_, to) => {
-                let counts = to.counts(clusters);
-                for (number, (group, &count)) in self.groups.iter_mut().zip(&counts).enumerate() {
-                    let before = group.collapses();
-                    if before != count {
-                        group.apply(i64::from(count) - i64::from(before));
-                        touched.push((index_u32(number), before));
+                let after = Self::at(clusters, to);
+                let pairs = self.collapses().iter().zip(after.collapses());
+                for (number, (&before, count)) in (0..).zip(pairs) {
+                    if before != *count {
+                        touched.push((number, before));
                     }
                 }
-                change.host_records += self.groups.len() as u64 + touched.len() as u64;
+                change.host_records += self.collapses().len() as u64 + touched.len() as u64;
+                *self = after;
             }
         }
+        self.state = to.clone();
         for &(group, before) in &touched {
-            let after = self.groups[group as usize].collapses();
+            let after = self.collapses()[group as usize];
             change.collapses += after.saturating_sub(before);
             change.splits += before.saturating_sub(after);
         }
         change.clusters_touched = index_u32(touched.len());
-        self.state = to.clone();
         (change, touched)
     }
+}
+
+/// Adds collapses to a count, or takes them away.
+fn apply(count: &mut u32, collapses: i64) {
+    *count = u32::try_from(i64::from(*count) + collapses).expect("states lie within the sequence");
 }
 
 #[cfg(test)]
@@ -158,12 +140,12 @@ mod tests {
     use crate::simplify::examples;
 
     /// `(Init_group, Active_leaves)` of every cluster.
-    fn pairs(groups: &Groups) -> Vec<(u32, u32)> {
-        groups
-            .groups
-            .iter()
-            .map(|group| (group.init_group, group.active_leaves))
-            .collect()
+    fn pairs(clusters: &Clusters, groups: &Groups) -> Vec<(u32, u32)> {
+        let pair = |(cluster, count): (&crate::simplify::Cluster, &u32)| {
+            (2 * count, cluster.original_count() - count)
+        };
+        let clusters = clusters.clusters.iter();
+        clusters.zip(groups.collapses()).map(pair).collect()
     }
 
     #[test]
@@ -183,7 +165,7 @@ mod tests {
                     groups.extract(&clusters, &state, extraction);
                     assert_eq!(groups, Groups::at(&clusters, &state), "level {collapses}");
                     if collapses == 3 {
-                        assert_eq!(pairs(&groups), after_three);
+                        assert_eq!(pairs(&clusters, &groups), after_three);
                     }
                 }
             }
@@ -202,6 +184,6 @@ mod tests {
         assert_eq!(touched, [(0, 2), (1, 0), (2, 0)]);
         let uniform = State::Uniform { collapses: 3 };
         groups.extract(&clusters, &uniform, Extraction::Single);
-        assert_eq!(pairs(&groups), [(4, 2), (2, 2), (0, 2)]);
+        assert_eq!(pairs(&clusters, &groups), [(4, 2), (2, 2), (0, 2)]);
     }
 }

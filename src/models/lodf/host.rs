@@ -9,7 +9,7 @@ use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use super::groups::Groups;
-use super::{Extraction, host_bytes, host_size};
+use super::{Extraction, host_bytes, host_size, instance_host_size};
 use crate::gpu::{Device, GpuError, Queue, Residency, Step};
 
 /// LoDF with everything in host memory.
@@ -66,6 +66,8 @@ impl Model for Host {
             host_bytes: self.leaves.vertex_size() + host_size(&self.crown),
             shared_bytes: self.leaves.key_size(),
             instance_bytes: 0,
+            instance_host_bytes: instance_host_size(&self.crown)
+                + LeafList::size(&self.crown, &self.leaves),
         }
     }
 }
@@ -133,5 +135,9 @@ impl Resident for HostResident {
 
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.list.steps);
+    }
+
+    fn host_bytes(&self) -> u64 {
+        self.groups.host_bytes() + self.list.host_bytes
     }
 }

@@ -64,6 +64,11 @@ fn host_size(crown: &Crown) -> u64 {
         + 4 * u64::from(sequence.collapse_count())
 }
 
+/// What every instance keeps on the host: the cursor, and how far each cluster is, 4 bytes each.
+fn instance_host_size(crown: &Crown) -> u64 {
+    4 + 4 * u64::from(crown.sequence().root_count())
+}
+
 /// Where each cluster's block of records begins, in records: `m` a cluster.
 fn block_starts(crown: &Crown) -> Vec<u32> {
     let sizes = crown

@@ -23,7 +23,7 @@ use super::super::{
     Storage,
 };
 use super::slots::send;
-use super::{Gather, host_bytes, host_size};
+use super::{Gather, host_bytes, host_size, instance_host_size};
 use crate::gpu::{
     BufferId, Cause, Corners, Device, DrawFromCounter, GpuError, Queue, Region, Residency, Step,
     Usage,
@@ -153,6 +153,7 @@ impl Model for Stamps {
                 + first_vertices
                 + record_bytes * u64::from(self.crown.sequence().record_count()),
             instance_bytes: 4 + 4 * u64::from(self.crown.sequence().root_count()),
+            instance_host_bytes: instance_host_size(&self.crown),
         }
     }
 }
@@ -173,15 +174,19 @@ impl Shared for StampsShared {
     ) -> Result<Box<dyn Resident>, GpuError> {
         let Uploaded { model, surface } = &self.uploaded;
         let clusters = model.crown.clusters();
-        let (counter_word, thresholds_words) = match state {
-            State::Uniform { collapses } => (*collapses, vec![0; clusters.clusters.len()]),
-            State::Variable { counts } => (VARIABLE, thresholds(clusters, counts)),
+        let thresholds_words = match state {
+            State::Uniform { .. } => vec![0; clusters.clusters.len()],
+            State::Variable { counts } => thresholds(clusters, counts),
         };
         let mut buffer = |label, words: &[u32], usage| {
             let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
             filled(device, label, usage, &bytes, RECORDS)
         };
-        let counter = buffer("counter", &[counter_word], Usage::STORAGE | Usage::INDIRECT)?;
+        let counter = buffer(
+            "counter",
+            &[counter_word(state)],
+            Usage::STORAGE | Usage::INDIRECT,
+        )?;
         let threshold_buffer = buffer("thresholds", &thresholds_words, Usage::STORAGE)?;
         let mut steps = Vec::new();
         surface.bind(LeafSource::Stamped, &mut steps);
@@ -204,9 +209,19 @@ impl Shared for StampsShared {
             threshold_buffer,
             steps,
             state: state.clone(),
-            counter_word,
-            thresholds: thresholds_words,
+            stale: match state {
+                State::Uniform { .. } => thresholds_words,
+                State::Variable { .. } => Vec::new(),
+            },
         }))
+    }
+}
+
+/// What the counter says in a state.
+fn counter_word(state: &State) -> u32 {
+    match state {
+        State::Uniform { collapses } => *collapses,
+        State::Variable { .. } => VARIABLE,
     }
 }
 
@@ -227,9 +242,9 @@ struct StampsResident {
     threshold_buffer: BufferId,
     steps: Vec<Step>,
     state: State,
-    /// What the device holds, also where the present state does not read it.
-    counter_word: u32,
-    thresholds: Vec<u32>,
+    /// The thresholds on the device while a uniform state does not read them; those of a variable
+    /// state follow from it.
+    stale: Vec<u32>,
 }
 
 impl Resident for StampsResident {
@@ -242,24 +257,25 @@ impl Resident for StampsResident {
         let clusters = crown.clusters();
         let change = self.change_to(to);
         let mut words: Vec<(BufferId, u64, [u8; 4], Cause)> = Vec::new();
-        let wanted = match to {
-            State::Uniform { collapses } => *collapses,
-            State::Variable { counts } => {
-                let wanted = thresholds(clusters, counts);
-                for (cluster, (word, held)) in wanted.iter().zip(&self.thresholds).enumerate() {
-                    if word != held {
-                        let cause = Cause::numbered("threshold", index_u32(cluster));
-                        let bytes = word.to_le_bytes();
-                        words.push((self.threshold_buffer, 4 * cluster as u64, bytes, cause));
-                    }
-                }
-                self.thresholds = wanted;
-                VARIABLE
-            }
+        let held = match &self.state {
+            State::Uniform { .. } => std::mem::take(&mut self.stale),
+            State::Variable { counts } => thresholds(clusters, counts),
         };
-        if wanted != self.counter_word {
+        if let State::Variable { counts } = to {
+            let wanted = thresholds(clusters, counts);
+            for (cluster, (word, held)) in wanted.iter().zip(&held).enumerate() {
+                if word != held {
+                    let cause = Cause::numbered("threshold", index_u32(cluster));
+                    let bytes = word.to_le_bytes();
+                    words.push((self.threshold_buffer, 4 * cluster as u64, bytes, cause));
+                }
+            }
+        } else {
+            self.stale = held;
+        }
+        let wanted = counter_word(to);
+        if wanted != counter_word(&self.state) {
             words.push((self.counter, 0, wanted.to_le_bytes(), Cause::of("counter")));
-            self.counter_word = wanted;
         }
         let regions: Vec<Region<'_>> = words
             .iter()
@@ -279,15 +295,20 @@ impl Resident for StampsResident {
     }
 
     fn price(&self, to: &State) -> u64 {
-        let (counter, changed) = match to {
-            State::Uniform { collapses } => (*collapses, 0),
-            State::Variable { counts } => {
-                let wanted = thresholds(self.model.crown.clusters(), counts);
-                let pairs = wanted.iter().zip(&self.thresholds);
-                (VARIABLE, pairs.filter(|(word, held)| word != held).count())
+        let clusters = self.model.crown.clusters();
+        let differ = |wanted: Vec<u32>, held: &[u32]| {
+            wanted.iter().zip(held).filter(|(a, b)| a != b).count() as u64
+        };
+        let changed = match (to, &self.state) {
+            (State::Uniform { .. }, _) => 0,
+            (State::Variable { counts }, State::Uniform { .. }) => {
+                differ(thresholds(clusters, counts), &self.stale)
+            }
+            (State::Variable { counts }, State::Variable { counts: present }) => {
+                differ(thresholds(clusters, counts), &thresholds(clusters, present))
             }
         };
-        4 * (u64::from(counter != self.counter_word) + changed as u64)
+        4 * (u64::from(counter_word(to) != counter_word(&self.state)) + changed)
     }
 
     fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
@@ -301,6 +322,10 @@ impl Resident for StampsResident {
 
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.steps);
+    }
+
+    fn host_bytes(&self) -> u64 {
+        self.state.host_bytes() + 4 * self.stale.len() as u64
     }
 }
 

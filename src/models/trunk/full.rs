@@ -60,6 +60,7 @@ impl TrunkModel for Full {
             host_bytes: 0,
             shared_bytes: 32 * mesh.positions.len() as u64 + 4 * mesh.indices.len() as u64,
             instance_bytes: 0,
+            instance_host_bytes: 0,
         }
     }
 }
@@ -111,5 +112,9 @@ impl Resident<TrunkLevel> for FullResident {
 
     fn draw(&self, steps: &mut Vec<Step>) {
         steps.extend_from_slice(&self.steps);
+    }
+
+    fn host_bytes(&self) -> u64 {
+        0
     }
 }

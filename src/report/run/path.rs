@@ -122,29 +122,16 @@ impl Trail {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{Ledger, Traffic};
-    use crate::math::Digest;
-    use crate::models::Change;
-    use crate::raster::Image;
+    use crate::gpu::Traffic;
 
     fn frame(number: u32, x: f32, levels: [u32; 2]) -> Frame {
         Frame {
-            deferred: None,
             frame: number,
             eye: Vec3::new(x, 2.0, 0.0),
-            image: Image {
-                width: 0,
-                height: 0,
-                rgba: Vec::new(),
-            },
-            image_digest: Digest([0; 32]),
-            leaves: 0,
-            triangles: 0,
-            change: Change::default(),
-            ledger: Ledger::default(),
             states: levels
                 .map(|collapses| State::Uniform { collapses })
                 .to_vec(),
+            ..Frame::blank()
         }
     }
 

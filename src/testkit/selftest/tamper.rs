@@ -285,6 +285,10 @@ impl Resident for Redrawn {
         self.inner.cluster_price(cluster, collapses)
     }
 
+    fn host_bytes(&self) -> u64 {
+        self.inner.host_bytes()
+    }
+
     fn draw(&self, steps: &mut Vec<Step>) {
         let mut sound = Vec::new();
         self.inner.draw(&mut sound);

@@ -11,7 +11,8 @@ use spinney::run::Session;
 
 use super::{assert_self_contained, keys_in_order, options, read, run_into, scene, words, world};
 
-const HEAD: &str = "schema version scene scene_digest link card size samples frames initial totals";
+const HEAD: &str = "schema version scene scene_digest link card size samples frames initial totals \
+    path";
 const SUMS: &str = "leaves triangles lines strokes draws vertices primitives visible_samples \
     resident_bytes peak_bytes upload fetch readback command_bytes collapses splits \
     clusters_touched by_cause by_buffer work gpu_ns";

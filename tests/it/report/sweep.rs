@@ -178,7 +178,7 @@ accounting  bytes  B/leaf    MiB  printed, MiB
 ──────────  ─────  ──────  ─────  ────────────
 original    1,920   64.00  0.002      2.94 (I)
 
-As built: host and shared once a species, instance once a tree
+As built: host and shared once a species, instance and its part on the host once a tree
 ";
     let text = report.to_text(80);
     assert!(text.starts_with(wanted), "{text}");
