@@ -26,13 +26,18 @@ impl Candidate {
     pub(super) fn best(pair: [&Shape; 2], weights: &Weights, limit: f32) -> Option<Self> {
         let wanted = weights.wanted_area(pair);
         let ends = ends([&pair[0].points, &pair[1].points]);
-        let mut best: Option<Self> = None;
-        let mut most = limit;
-        for diagonal in [0b000, 0b001, 0b100, 0b101] {
+        let penalties = DIAGONALS.map(|diagonal| {
             let start = source(pair, diagonal, 0).points.at(0);
             let end = source(pair, diagonal, 2).points.at(2);
-            let areas = quad_areas(&ends, start, end);
-            let penalties = weights.area_penalties(areas, wanted);
+            weights.area_penalties(quad_areas(&ends, start, end), wanted)
+        });
+        // Most pairs end here.
+        if least(penalties.map(least)) > limit {
+            return None;
+        }
+        let mut best: Option<Self> = None;
+        let mut most = limit;
+        for (diagonal, penalties) in DIAGONALS.into_iter().zip(penalties) {
             for (penalty, others) in penalties.into_iter().zip(OTHERS) {
                 let choice = diagonal | others;
                 if penalty > most || choice == 0 || choice == ALL {
@@ -72,6 +77,7 @@ impl Candidate {
             corners(pair, self.choice),
             points(pair, self.choice),
             pair[0].original_area + pair[1].original_area,
+            pair[0].originals + pair[1].originals,
         )
     }
 }
@@ -93,6 +99,14 @@ fn points(pair: [&Shape; 2], choice: usize) -> Four {
 fn corners(pair: [&Shape; 2], choice: usize) -> [u32; 4] {
     let at = |role: usize| source(pair, choice, role).corners[role];
     [at(0), at(1), at(2), at(3)]
+}
+
+/// What the corners 0 and 2 may be.
+const DIAGONALS: [usize; 4] = [0b000, 0b001, 0b100, 0b101];
+
+fn least([a, b, c, d]: [f32; 4]) -> f32 {
+    let lesser = |a: f32, b: f32| if a < b { a } else { b };
+    lesser(lesser(a, b), lesser(c, d))
 }
 
 /// What the four quads of [`quad_areas`] choose for corners 1 and 3.

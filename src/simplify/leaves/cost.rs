@@ -1,10 +1,9 @@
 //! What joining two leaves costs.
 
+use super::bound::Outline;
 use super::candidate::Candidate;
-use super::grid::Site;
 use super::shape::{Four, Scale, Shape};
 use super::{LeafCollapseOptions, LeafDistance};
-use crate::math::Vec3;
 
 /// What pairs cost, with weights in the units of [`Shape`].
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +22,8 @@ pub(super) struct Weights {
     form_scale: f32,
     /// The least area that is ever wanted.
     least_area: f64,
+    /// How many times their area four originals want.
+    gain: f64,
     most_bend: f32,
     most_distance: f32,
 }
@@ -40,6 +41,11 @@ impl Weights {
             form_scale: single(2.0 / scale.form.max(1e-6)),
             // Leaves without area must not make every misfit infinite.
             least_area: (1e-6 * scale.area).max(1e-12),
+            gain: if options.area_gain.is_nan() {
+                1.0
+            } else {
+                f64::from(options.area_gain.clamp(0.25, 4.0))
+            },
             most_bend: threshold(options.coplanarity_threshold),
             most_distance: single(f64::from(threshold(options.distance_threshold)) * scale.spacing),
         }
@@ -72,9 +78,19 @@ impl Weights {
         (cost <= limit).then_some((cost, candidate))
     }
 
-    /// The area of the originals under both.
+    /// The area that a quad should have that replaces both: that of all originals under it, times
+    /// the gain as far as there are four.
     pub(super) fn wanted_area(&self, [first, second]: [&Shape; 2]) -> f32 {
-        single((first.original_area + second.original_area).max(self.least_area))
+        let originals = first.originals.saturating_add(second.originals);
+        let part = f64::from(originals.min(4) - 1) / 3.0;
+        let gain = 1.0 + (self.gain - 1.0) * part;
+        let area = gain * (first.original_area + second.original_area);
+        single(area.max(self.least_area))
+    }
+
+    /// The least area that is ever wanted.
+    pub(super) fn least_area(&self) -> f32 {
+        single(self.least_area)
     }
 
     /// What quads cost that have these areas.
@@ -108,23 +124,25 @@ impl Weights {
         }
     }
 
-    /// What distance is measured from: two leaves are at least as far apart as the sides of these
-    /// boxes.
+    /// What is known of a leaf at a glance.
     ///
-    /// For Hausdorff's distance that is the box of the vertices, no side of which moves by more than
-    /// the distance.
-    pub(super) fn site(&self, shape: &Shape, leaf: u32) -> Site {
+    /// Distance is bounded by the box of the vertices, no side of which moves by more than
+    /// Hausdorff's distance; or it is that of the middles.
+    pub(super) fn outline(&self, shape: &Shape) -> Outline<f32> {
         let [a, b, c, d] = shape.points.all();
-        let (low, high) = match self.measure {
-            LeafDistance::Hausdorff => (a.min(b).min(c.min(d)), a.max(b).max(c.max(d))),
-            LeafDistance::Centers => (center(&shape.points), center(&shape.points)),
+        let ends = match self.measure {
+            LeafDistance::Hausdorff => [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))],
+            LeafDistance::Centers => [shape.points.middle(); 2],
         };
-        Site {
-            low,
-            high,
-            leaf,
-            shape: *shape,
-        }
+        let area = shape.original_area * self.gain.min(1.0);
+        Outline::of(shape, ends, single(area))
+    }
+
+    /// What a pair costs at least of which so much is known: all terms are 0 or more.
+    #[inline]
+    pub(super) fn least(&self, apart: f32, bend: f32, missing: f32) -> f32 {
+        let placed = self.distance * apart + self.coplanarity * bend;
+        0.999_9 * (placed + self.area * (missing * missing))
     }
 }
 
@@ -132,13 +150,8 @@ impl Weights {
 fn distance(measure: LeafDistance, first: &Four, second: &Four, reach: f32) -> f32 {
     match measure {
         LeafDistance::Hausdorff => hausdorff(first, second, reach),
-        LeafDistance::Centers => (center(first) - center(second)).length_squared().sqrt(),
+        LeafDistance::Centers => (first.middle() - second.middle()).length_squared().sqrt(),
     }
-}
-
-fn center(points: &Four) -> Vec3 {
-    let [a, b, c, d] = points.all();
-    0.25 * ((a + b) + (c + d))
 }
 
 /// Hausdorff's distance between two sets of four points: the furthest that a point of either lies

@@ -1,4 +1,4 @@
-//! The leaves that are left while a crown is simplified, and the cheapest pair among them.
+//! All leaves of a foliage while it is simplified: rounds of blocks, and one order over them.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,35 +8,39 @@ use rayon::prelude::*;
 use super::super::Collapse;
 use super::super::measure::quad_area;
 use super::LeafCollapseOptions;
+use super::block::{Block, Join};
 use super::cost::Weights;
-use super::grid::{Grid, Site};
+use super::partition::partition;
 use super::shape::{Four, Scale, Shape};
 use crate::math::{DVec3, index_u32};
 use crate::plant::Foliage;
 
-/// All leaves, old and new, and a queue of pairs.
+/// How many rounds in a row may find nothing before the search ends.
+const IDLE_ROUNDS: usize = 5;
+
+/// The share of the leaves whose offers may be taken in a round, in per cent.
 ///
-/// **Invariant.** For every pair of leaves that are left and may be joined, one of the two has an
-/// offer in the queue that costs no more than the pair: the later-born looked at all leaves when it
-/// was born, and a leaf looks again when the partner in its offer is gone. So the first offer whose
-/// leaves are both left is the cheapest pair of all.
+/// Less makes more rounds, each of which looks at all leaves anew; more lets leaves at borders pay
+/// for a worse partner of their own block.
+const ROUND_PERCENT: usize = 75;
+
+/// One block of so many tells what a round may cost.
+const SAMPLE: usize = 8;
+
+/// The leaves that are left by group, and what was done to the others.
 #[derive(Debug)]
 pub(super) struct Crown {
     weights: Weights,
-    shapes: Vec<Shape>,
-    group_of: Vec<u32>,
-    left: Vec<bool>,
-    grids: Vec<Grid>,
-    offers: BinaryHeap<Reverse<Offer>>,
+    groups: Vec<Leaves>,
+    corners: Vec<[u32; 4]>,
+    collapses: Vec<Collapse>,
 }
 
-/// A leaf and the best partner that it found; the order is that of collapses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Offer {
-    /// The bits of the cost, which order as costs do: none is negative.
-    cost: u32,
-    pair: [u32; 2],
-    owner: u32,
+/// Leaves that are left, ascending by their numbers in the sequence.
+#[derive(Debug, Default)]
+struct Leaves {
+    numbers: Vec<u32>,
+    shapes: Vec<Shape>,
 }
 
 impl Crown {
@@ -47,166 +51,246 @@ impl Crown {
             .map(|leaf| [0, 1, 2, 3].map(|role| leaf[role].as_dvec3()))
             .collect();
         let scale = Scale::of(&leaves);
-        let weights = Weights::new(options, &scale);
-        let shapes: Vec<Shape> = (0..)
-            .zip(&leaves)
-            .map(|(leaf, quad)| {
-                let corners = [0, 1, 2, 3].map(|role| 4 * leaf + role);
+        let mut groups = Vec::new();
+        let mut corners = Vec::with_capacity(2 * leaves.len());
+        for (group, _) in foliage.quad_groups() {
+            let mut left = Leaves::default();
+            for quad in &leaves[corners.len()..][..group.leaf_count()] {
+                let leaf = index_u32(corners.len());
+                corners.push([0, 1, 2, 3].map(|role| 4 * leaf + role));
                 let quad = quad.map(|point| scale.unit * point);
-                Shape::new(
-                    corners,
+                left.numbers.push(leaf);
+                left.shapes.push(Shape::new(
+                    corners[leaf as usize],
                     Four::new(quad.map(DVec3::as_vec3)),
                     quad_area(quad),
-                )
-            })
-            .collect();
-        let sites: Vec<Site> = (0..)
-            .zip(&shapes)
-            .map(|(leaf, shape)| weights.site(shape, leaf))
-            .collect();
-        let mut grids = Vec::new();
-        let mut group_of = Vec::with_capacity(shapes.len());
-        for (group, _) in foliage.quad_groups() {
-            let first = group_of.len();
-            group_of.resize(first + group.leaf_count(), index_u32(grids.len()));
-            grids.push(Grid::new(&sites[first..group_of.len()]));
-        }
-        let mut crown = Self {
-            weights,
-            left: vec![true; shapes.len()],
-            offers: BinaryHeap::with_capacity(shapes.len()),
-            shapes,
-            group_of,
-            grids,
-        };
-        let found: Vec<_> = (0..index_u32(leaves.len()))
-            .into_par_iter()
-            .map(|leaf| crown.best_partner(leaf))
-            .collect();
-        for (leaf, found) in (0..).zip(found) {
-            crown.offer(leaf, found);
-        }
-        crown
-    }
-
-    /// The corners of every leaf, old and new.
-    pub(super) fn into_corners(self) -> Vec<[u32; 4]> {
-        self.shapes.into_iter().map(|shape| shape.corners).collect()
-    }
-
-    /// Joins the cheapest pair; `None` when no pair is left that may be joined.
-    pub(super) fn collapse_cheapest(&mut self) -> Option<Collapse> {
-        loop {
-            let Reverse(offer) = self.offers.pop()?;
-            if !self.left[offer.owner as usize] {
-                continue;
+                    1,
+                ));
             }
-            if offer.pair.iter().all(|&leaf| self.left[leaf as usize]) {
-                return Some(self.collapse(offer.pair));
-            }
-            self.offer(offer.owner, self.best_partner(offer.owner));
+            groups.push(left);
+        }
+        Self {
+            weights: Weights::new(options, &scale),
+            groups,
+            corners,
+            collapses: Vec::new(),
         }
     }
 
-    fn collapse(&mut self, old: [u32; 2]) -> Collapse {
-        let pair = old.map(|leaf| &self.shapes[leaf as usize]);
-        let (cost, candidate) = self
-            .weights
-            .cost(pair, f32::INFINITY)
-            .expect("a pair on offer may be joined");
-        let shape = candidate.shape(pair);
-        let group = self.group_of[old[0] as usize];
-        for leaf in old {
-            self.left[leaf as usize] = false;
-            let site = self.site(leaf);
-            self.grids[group as usize].remove(&site);
-        }
-        let leaf = index_u32(self.shapes.len());
-        self.shapes.push(shape);
-        self.group_of.push(group);
-        self.left.push(true);
-        let site = self.site(leaf);
-        self.grids[group as usize].insert(site);
-        self.offer(leaf, self.best_partner(leaf));
-        Collapse { old, cost }
+    /// The corners of every leaf, old and new, and the collapses.
+    pub(super) fn finish(self) -> (Vec<[u32; 4]>, Vec<Collapse>) {
+        (self.corners, self.collapses)
     }
 
-    /// Queues the best pair of `leaf`, if there is any.
-    fn offer(&mut self, leaf: u32, found: Option<(u32, u32)>) {
-        if let Some((cost, partner)) = found {
-            self.offers.push(Reverse(Offer {
-                cost,
-                pair: [leaf.min(partner), leaf.max(partner)],
-                owner: leaf,
-            }));
-        }
-    }
-
-    /// The bits of the least cost and the partner at that cost, the lowest if there are several.
-    pub(super) fn best_partner(&self, leaf: u32) -> Option<(u32, u32)> {
-        let here = self.site(leaf);
-        let grid = &self.grids[self.group_of[leaf as usize] as usize];
-        let mut best: Option<(u32, u32)> = None;
-        let mut limit = f32::INFINITY;
-        let mut reach = f32::INFINITY;
-        for shell in 0.. {
-            let more = grid.visit_shell(&here, shell, reach, |sites| {
-                for site in sites {
-                    if here.least_distance(site) > reach || site.leaf == leaf {
-                        continue;
-                    }
-                    let pair = [&here.shape, &site.shape];
-                    let Some((cost, _)) = self.weights.cost(pair, limit) else {
-                        continue;
-                    };
-                    let found = (cost.to_bits(), site.leaf);
-                    if best.is_none_or(|best| found < best) {
-                        best = Some(found);
-                        limit = cost;
-                        reach = self.weights.reach(cost);
-                    }
-                }
-            });
-            if !more {
+    /// Collapses until `wanted` collapses are made or no block has a pair left.
+    pub(super) fn collapse(&mut self, wanted: usize) {
+        let mut idle = 0;
+        let mut round = 0;
+        while self.collapses.len() < wanted && idle < IDLE_ROUNDS {
+            let before = self.collapses.len();
+            let last = self.round(round, wanted);
+            if last {
                 break;
             }
+            idle = if self.collapses.len() == before {
+                idle + 1
+            } else {
+                0
+            };
+            round += 1;
         }
-        best
     }
 
-    /// What [`best_partner`](Self::best_partner) must find, by looking at all leaves.
-    #[cfg(test)]
-    pub(super) fn best_partner_of_all(&self, leaf: u32) -> Option<(u32, u32)> {
-        let shape = &self.shapes[leaf as usize];
-        let may_join = |other: u32| {
-            self.left[other as usize]
-                && other != leaf
-                && self.group_of[other as usize] == self.group_of[leaf as usize]
+    /// One partition: joins in every block what is cheap, and puts the joins in order. `true` when no
+    /// other partition could find more.
+    fn round(&mut self, round: usize, wanted: usize) -> bool {
+        let mut members: Vec<Members> = Vec::new();
+        for (group, leaves) in self.groups.iter().enumerate() {
+            let blocks = partition(&leaves.shapes, round);
+            members.extend(blocks.into_iter().map(|leaves| Members { group, leaves }));
+        }
+        // With a block a group nothing lies beyond a border: all that is left is in the blocks.
+        let last = members.len() <= self.groups.len();
+        let most = if last {
+            f32::INFINITY
+        } else {
+            self.usual_cost(&members)
         };
-        (0..index_u32(self.shapes.len()))
-            .filter(|&other| may_join(other))
-            .filter_map(|other| {
-                let pair = [shape, &self.shapes[other as usize]];
-                let (cost, _) = self.weights.cost(pair, f32::INFINITY)?;
-                Some((cost.to_bits(), other))
+        let done: Vec<(Run, Vec<(u32, Shape)>)> = members
+            .par_iter()
+            .map(|members| {
+                let mut block = self.block(members, most);
+                block.join_all();
+                let (joins, left) = block.finish();
+                let numbers = &self.groups[members.group].numbers;
+                let numbers = members.leaves.iter().map(|&leaf| numbers[leaf as usize]);
+                (Run::new(numbers.collect(), joins), left)
             })
-            .min()
+            .collect();
+        let (mut runs, left): (Vec<Run>, Vec<_>) = done.into_iter().unzip();
+        self.merge(&mut runs, wanted);
+        if self.collapses.len() == wanted {
+            return true;
+        }
+        for group in &mut self.groups {
+            *group = Leaves::default();
+        }
+        for ((run, left), members) in runs.iter().zip(left).zip(&members) {
+            let group = &mut self.groups[members.group];
+            for (number, shape) in left {
+                group.numbers.push(run.numbers[number as usize]);
+                group.shapes.push(shape);
+            }
+        }
+        self.groups.par_iter_mut().for_each(Leaves::sort);
+        last
     }
 
-    /// What [`collapse_cheapest`](Self::collapse_cheapest) must do, by looking at all pairs.
-    #[cfg(test)]
-    pub(super) fn collapse_cheapest_of_all(&mut self) -> Option<Collapse> {
-        let (_, old) = (0..index_u32(self.shapes.len()))
-            .filter(|&leaf| self.left[leaf as usize])
-            .filter_map(|leaf| {
-                let (cost, other) = self.best_partner_of_all(leaf)?;
-                Some((cost, [leaf.min(other), leaf.max(other)]))
-            })
-            .min()?;
-        Some(self.collapse(old))
+    fn block(&self, members: &Members, most: f32) -> Block<'_> {
+        let shapes = &self.groups[members.group].shapes;
+        let own = members.leaves.iter().map(|&leaf| shapes[leaf as usize]);
+        Block::new(own.collect(), &self.weights, most)
     }
 
-    fn site(&self, leaf: u32) -> Site {
-        self.weights.site(&self.shapes[leaf as usize], leaf)
+    /// What [`ROUND_PERCENT`] of the leaves of some blocks offer at most; the largest offer where
+    /// fewer have any.
+    fn usual_cost(&self, members: &[Members]) -> f32 {
+        let samples: Vec<&Members> = members.iter().step_by(SAMPLE).collect();
+        let costs: Vec<Vec<f32>> = samples
+            .into_par_iter()
+            .map(|members| self.block(members, f32::INFINITY).costs().collect())
+            .collect();
+        let mut costs: Vec<f32> = costs.into_iter().flatten().collect();
+        costs.sort_unstable_by(f32::total_cmp);
+        let usual = costs.len().saturating_sub(1) * ROUND_PERCENT / 100;
+        let offers = costs[..=usual].iter().rev().copied();
+        offers
+            .into_iter()
+            .find(|cost| cost.is_finite())
+            .unwrap_or(f32::MAX)
+    }
+
+    /// Takes the joins of all blocks in the order of a search through all of them: of the next join
+    /// of each block always the cheapest, by (cost, lower leaf, higher leaf).
+    fn merge(&mut self, runs: &mut [Run], wanted: usize) {
+        let heads = runs.iter().enumerate();
+        let mut queue: BinaryHeap<Reverse<Head>> = heads
+            .filter_map(|(run, joins)| joins.head(run).map(Reverse))
+            .collect();
+        while self.collapses.len() < wanted {
+            let Some(Reverse(head)) = queue.pop() else {
+                return;
+            };
+            let run = &mut runs[head.run];
+            let join = &run.joins[run.done];
+            run.done += 1;
+            run.numbers.push(index_u32(self.corners.len()));
+            self.corners.push(join.corners);
+            self.collapses.push(Collapse {
+                old: head.pair,
+                cost: join.cost,
+            });
+            queue.extend(run.head(head.run).map(Reverse));
+        }
+    }
+}
+
+/// The leaves of a block: their group, and their places among the group's leaves.
+#[derive(Debug)]
+struct Members {
+    group: usize,
+    leaves: Vec<u32>,
+}
+
+impl Leaves {
+    fn sort(&mut self) {
+        let mut order: Vec<usize> = (0..self.numbers.len()).collect();
+        order.sort_unstable_by_key(|&place| self.numbers[place]);
+        self.numbers = order.iter().map(|&place| self.numbers[place]).collect();
+        self.shapes = order.iter().map(|&place| self.shapes[place]).collect();
+    }
+}
+
+/// The joins of a block, on their way into the order of all.
+#[derive(Debug)]
+struct Run {
+    /// The number in the sequence of every leaf of the block, as far as it has one.
+    numbers: Vec<u32>,
+    joins: Vec<Join>,
+    /// How many joins are in the sequence.
+    done: usize,
+}
+
+/// The next join of a block; the order is that of collapses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Head {
+    /// The bits of the cost, which order as costs do: none is negative.
+    cost: u32,
+    pair: [u32; 2],
+    run: usize,
+}
+
+impl Run {
+    fn new(numbers: Vec<u32>, joins: Vec<Join>) -> Self {
+        Self {
+            numbers,
+            joins,
+            done: 0,
+        }
+    }
+
+    fn head(&self, run: usize) -> Option<Head> {
+        let join = self.joins.get(self.done)?;
+        let mut pair = join.old.map(|leaf| self.numbers[leaf as usize]);
+        pair.sort_unstable();
+        Some(Head {
+            cost: join.cost.to_bits(),
+            pair,
+            run,
+        })
+    }
+}
+
+#[cfg(test)]
+impl Crown {
+    /// What [`collapse`](Self::collapse) must do where every group is one block: each time the
+    /// cheapest pair of all.
+    pub(super) fn collapse_by_looking_at_all_pairs(&mut self) {
+        let mut left: Vec<(usize, u32, Shape)> = Vec::new();
+        for (group, leaves) in self.groups.iter().enumerate() {
+            let leaves = leaves.numbers.iter().zip(&leaves.shapes);
+            left.extend(leaves.map(|(&number, &shape)| (group, number, shape)));
+        }
+        loop {
+            let mut best: Option<(u32, u32, u32)> = None;
+            for (group, first, one) in &left {
+                for (other_group, second, other) in &left {
+                    if group != other_group || first >= second {
+                        continue;
+                    }
+                    if let Some((cost, _)) = self.weights.cost([one, other], f32::INFINITY) {
+                        let found = (cost.to_bits(), *first, *second);
+                        best = Some(best.map_or(found, |best| best.min(found)));
+                    }
+                }
+            }
+            let Some((cost, first, second)) = best else {
+                return;
+            };
+            let mut take = |number| {
+                let at = left.iter().position(|leaf| leaf.1 == number);
+                left.remove(at.expect("it was found among those that are left"))
+            };
+            let (one, other) = (take(first), take(second));
+            let pair = [&one.2, &other.2];
+            let found = self.weights.cost(pair, f32::INFINITY);
+            let shape = found.expect("it has a cost").1.shape(pair);
+            left.push((one.0, index_u32(self.corners.len()), shape));
+            self.corners.push(shape.corners);
+            self.collapses.push(Collapse {
+                old: [first, second],
+                cost: f32::from_bits(cost),
+            });
+        }
     }
 }

@@ -16,16 +16,19 @@ pub(super) struct Shape {
     pub(super) normal: Vec3,
     /// The area of the originals under it.
     pub(super) original_area: f64,
+    /// How many originals there are under it.
+    pub(super) originals: u32,
 }
 
 impl Shape {
-    pub(super) fn new(corners: [u32; 4], points: Four, original_area: f64) -> Self {
+    pub(super) fn new(corners: [u32; 4], points: Four, original_area: f64, originals: u32) -> Self {
         let [a, b, c, d] = points.all().map(Vec3::as_dvec3);
         Self {
             corners,
             points,
             normal: (c - a).cross(d - b).normalize_or_zero().as_vec3(),
             original_area,
+            originals,
         }
     }
 }
@@ -49,6 +52,18 @@ impl Four {
 
     pub(super) fn at(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+
+    /// The mean of the four.
+    pub(super) fn middle(&self) -> Vec3 {
+        let [a, b, c, d] = self.all();
+        0.25 * ((a + b) + (c + d))
+    }
+
+    /// The longer diagonal.
+    pub(super) fn extent(&self) -> f32 {
+        let [a, b, c, d] = self.all();
+        (c - a).length().max((d - b).length())
     }
 
     pub(super) fn all(&self) -> [Vec3; 4] {
