@@ -1,7 +1,10 @@
-//! Collapsing leaves.
+//! Collapsing leaves and trunks.
 
 use criterion::Criterion;
-use spinney::simplify::{Clusters, LeafCollapseOptions, collapse_leaves};
+use spinney::simplify::{
+    Clusters, LeafCollapseOptions, VertexCollapseOptions, collapse_leaves, collapse_vertices,
+    strips_of,
+};
 
 use crate::yew;
 
@@ -18,6 +21,16 @@ pub(crate) fn bench(criterion: &mut Criterion) {
     let sequence = world.crowns[0].sequence();
     group.bench_function("clusters/48160", |bencher| {
         bencher.iter(|| Clusters::of(sequence));
+    });
+    let mesh = plant.trunk().expect("the yew has one");
+    let options = VertexCollapseOptions::usual(mesh);
+    group.bench_function("trunk/34205", |bencher| {
+        bencher.iter(|| {
+            let collapses = collapse_vertices(mesh, options);
+            strips_of(collapses.triangles(), |triangle| {
+                collapses.shows(triangle, 0)
+            })
+        });
     });
     group.finish();
 }

@@ -15,6 +15,7 @@
 mod clusters;
 mod leaves;
 mod measure;
+mod mesh;
 mod published;
 mod sequence;
 mod storage;
@@ -22,6 +23,10 @@ mod storage;
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LeafCollapseOptions, LeafDistance, collapse_leaves};
 pub use measure::{LeafMeasure, is_folded, leaf_area, measure_leaves};
+pub use mesh::{
+    EDGE_WEIGHT, LAST_TRIANGLES, LEAST_COSINE, Strips, VertexCollapse, VertexCollapseOptions,
+    VertexCollapses, collapse_vertices, lowest_first, strips_of,
+};
 pub use published::{Erratum, PUBLISHED_ROWS, PublishedCell, PublishedRow};
 #[cfg(test)]
 pub(crate) use sequence::examples;
