@@ -4,11 +4,11 @@ use rayon::prelude::{
     IntoParallelIterator as _, IntoParallelRefIterator as _, ParallelIterator as _,
 };
 
-use super::assemble::{fetched, fetched_bytes};
+use super::assemble::{fetched, fetched_bytes, windows};
 use super::card::DrawWork;
 use super::ledger::{Cause, Ledger, Stream, WorkCounts};
 use super::parts::{CORNER_BYTES, Reach, parts};
-use super::pass::{Load, RenderPass};
+use super::pass::{Corners, Load, RenderPass};
 use super::plan::{Plan, corners_per_primitive, plan};
 use super::program::{Bindings, VertexCall};
 use super::{Device, GpuError};
@@ -220,15 +220,16 @@ fn watch_reads(device: &mut Device, plan: &Plan) {
             }
         }
         if let Ok((indices, vertices)) = state.inputs(device, draw.source) {
-            let per_primitive = corners_per_primitive(draw.topology);
             let key = (draw.group, draw.instance);
-            reads.fetched.extend(fetched(
-                key,
-                &draw.corners,
-                per_primitive,
-                indices,
-                vertices,
-            ));
+            let of_draw = if draw.source == Corners::Strips {
+                let primitives = windows(draw.submitted()).map(|(_, corners)| &corners[..]);
+                fetched(key, primitives, indices, vertices)
+            } else {
+                let per_primitive = corners_per_primitive(draw.topology);
+                let primitives = draw.corners.chunks_exact(per_primitive);
+                fetched(key, primitives, indices, vertices)
+            };
+            reads.fetched.extend(of_draw);
         }
     }
     device.reads = Some(reads);
@@ -244,8 +245,7 @@ fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
         ..Ledger::default()
     };
     for (draw, outcome) in plan.draws.iter().zip(outcomes) {
-        let vertices = draw.corners.len() as u64;
-        let primitives = vertices / corners_per_primitive(draw.topology) as u64;
+        let (vertices, primitives) = draw.sizes();
         sums.draws += draw.draws;
         sums.vertices += vertices;
         sums.primitives += primitives;
@@ -257,10 +257,11 @@ fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
         let mut input_bytes = u64::from(layout.pulled_primitive_bytes) * primitives
             + u64::from(layout.pulled_vertex_bytes) * outcome.emitted_vertices;
         if let Ok((indices, inputs)) = draw.state.inputs(device, draw.source) {
-            input_bytes += u64::from(draw.source.index_bytes()) * vertices;
+            let index_count = draw.corner_count();
+            input_bytes += u64::from(draw.source.index_bytes()) * index_count;
             input_bytes += inputs.map_or(0, |(_, stride)| u64::from(stride) * vertices);
             let (index_bytes, vertex_bytes) =
-                fetched_bytes(draw.source, &draw.corners, indices, inputs);
+                fetched_bytes(draw.source, draw.submitted(), index_count, indices, inputs);
             for (bytes, buffer) in [(index_bytes, indices), (vertex_bytes, inputs.map(|i| i.0))] {
                 if let (1.., Some(buffer)) = (bytes, buffer) {
                     pulled.push((buffer.label.clone(), bytes));

@@ -55,7 +55,7 @@ pub use ledger::{Cause, ComputeCounts, Ledger, Share, Stream, Traffic, Transfer,
 pub use link::{Link, TICKS_PER_NANOSECOND, Ticks, nanoseconds};
 pub use pass::{
     Command, ComputePass, ComputeStep, Corners, Draw, DrawFromCounter, DrawIndirect,
-    IndirectRecord, Load, RenderPass, Step,
+    IndirectRecord, Load, RESTART, RenderPass, Step,
 };
 pub use program::{Bindings, Layout, MAX_SLOTS, Program, VertexCall, Words};
 pub use queue::{Queue, Region};

@@ -133,6 +133,10 @@ pub enum Corners {
     Indexed,
     /// `u16` indices in the bound index buffer, to each of which the draw adds its first vertex.
     Short,
+    /// `u32` indices in the bound index buffer as triangle strips, each ended by [`RESTART`] or the
+    /// last corner, for programs that draw lists of triangles: the input assembler hands them whole
+    /// triangles, the lowest index first, and leaves out those that name a vertex twice.
+    Strips,
     /// The numbers from the first corner on.
     Counted,
 }
@@ -142,7 +146,7 @@ impl Corners {
     #[must_use]
     pub fn index_bytes(self) -> u32 {
         match self {
-            Self::Indexed => 4,
+            Self::Indexed | Self::Strips => 4,
             Self::Short => 2,
             Self::Counted => 0,
         }
@@ -153,7 +157,7 @@ impl Corners {
     #[must_use]
     pub fn record_bytes(self) -> u64 {
         match self {
-            Self::Indexed | Self::Counted => IndirectRecord::STRIDE,
+            Self::Indexed | Self::Strips | Self::Counted => IndirectRecord::STRIDE,
             Self::Short => IndirectRecord::STRIDE + 4,
         }
     }
@@ -265,6 +269,9 @@ pub enum ComputeStep {
         groups: u32,
     },
 }
+
+/// The index that ends a strip.
+pub const RESTART: u32 = u32::MAX;
 
 pub(super) const BIND_BYTES: u64 = 8;
 pub(super) const DRAW_BYTES: u64 = 20;

@@ -3,10 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::assemble::{Arguments, corners};
+use super::assemble::{Arguments, corners, triangles_of_strips, windows};
 use super::pass::{
     BIND_BYTES, Corners, DRAW_BYTES, DrawFromCounter, DrawIndirect, INDIRECT_BYTES, PASS_BYTES,
-    RenderPass, Step,
+    RESTART, RenderPass, Step,
 };
 use super::program::{Bindings, MAX_SLOTS, Program, Words};
 use super::resource::Buffer;
@@ -33,7 +33,37 @@ pub(super) struct PlannedDraw {
     pub(super) draws: u64,
     /// The runs of corners, as `(first, count)`.
     pub(super) runs: Vec<(u32, u32)>,
+    /// Whole primitives, for the vertex stage.
     pub(super) corners: Vec<u32>,
+    /// Strips as they were submitted, a restart between two.
+    strips: Option<Vec<u32>>,
+}
+
+impl PlannedDraw {
+    /// The corners as they were submitted.
+    pub(super) fn submitted(&self) -> &[u32] {
+        self.strips.as_deref().unwrap_or(&self.corners)
+    }
+
+    /// How many corners the runs have, restarts too.
+    pub(super) fn corner_count(&self) -> u64 {
+        self.runs.iter().map(|&(_, count)| u64::from(count)).sum()
+    }
+
+    /// How many vertices and primitives were submitted, also of triangles that are none.
+    pub(super) fn sizes(&self) -> (u64, u64) {
+        match &self.strips {
+            None => {
+                let corners = self.corners.len() as u64;
+                let primitives = corners / corners_per_primitive(self.topology) as u64;
+                (corners, primitives)
+            }
+            Some(strips) => {
+                let vertices = strips.iter().filter(|&&corner| corner != RESTART).count();
+                (vertices as u64, windows(strips).count() as u64)
+            }
+        }
+    }
 }
 
 /// What is bound.
@@ -75,7 +105,7 @@ impl State {
         };
         let indices = match source {
             Corners::Counted => None,
-            Corners::Indexed | Corners::Short => {
+            Corners::Indexed | Corners::Short | Corners::Strips => {
                 let buffer = device.buffer(self.indices.ok_or_else(|| unbound("index buffer"))?)?;
                 buffer.check_usage(Usage::INDEX)?;
                 Some(buffer)
@@ -266,7 +296,26 @@ fn plan_draw(
         draws: records.len() as u64,
         runs: Vec::with_capacity(records.len()),
         corners: Vec::new(),
+        strips: None,
     };
+    if first.source == Corners::Strips {
+        if layout.topology != Topology::TriangleList {
+            let what = format!(
+                "strips with program {:?}, which draws no triangles",
+                layout.name
+            );
+            return Err(GpuError::Unsupported { what });
+        }
+        let mut strips = Vec::new();
+        for record in records {
+            strips.extend(corners(record, indices, vertices)?);
+            strips.push(RESTART);
+            draw.runs.push((record.first_corner, record.corner_count));
+        }
+        draw.corners = triangles_of_strips(&strips);
+        draw.strips = Some(strips);
+        return Ok(draw);
+    }
     for record in records {
         if !(record.corner_count as usize).is_multiple_of(wanted) {
             return Err(GpuError::Corners {

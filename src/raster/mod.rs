@@ -51,8 +51,9 @@
 //!
 //! *Opaque* fragments win where they are nearer; where depths are equal, the least [`Key`] wins, also
 //! against what earlier calls left. A cleared sample has no key, and is not beaten by its own depth.
-//! Equal depth and equal key, which only primitives that begin with the same vertex have: the one
-//! that was submitted first. So batches commute. Consecutive opaque batches are a run: it is decided
+//! Equal depth and equal key, which only primitives that begin with the same vertex have: within a
+//! call the one whose further vertices are the least, in their order, else the one that was submitted
+//! first. So batches commute. Consecutive opaque batches are a run: it is decided
 //! as a whole, then each pixel is shaded once for each triangle that shows in it.
 //!
 //! *Blended* fragments keep their order, are tested against the depth that opaque batches before them

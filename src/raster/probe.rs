@@ -5,7 +5,7 @@
 //! is slow a triangle, and a second witness of what the fast way shows.
 
 use super::plane::{Attributes, Edges, coordinates, depth_at};
-use super::setup::{Chunk, Triangle, corners_of, key, set_up};
+use super::setup::{Chunk, Triangle, key, set_up, vertex_ids};
 use super::view::{SUBPIXELS, View};
 use super::{Batch, Blend, Fragment, Key, Samples};
 use crate::math::Vec4;
@@ -68,15 +68,9 @@ pub fn probe(
                 batch: *batch,
             };
             let (kept, colour) = batch.kernel.probe(&point);
-            let size = corners_of(batch.topology);
-            let first = triangle.primitive as usize * size;
-            let geometry = batch.geometry;
             fragments.push(ProbedFragment {
                 key: key(batch, triangle),
-                corners: geometry.corners[first..first + size]
-                    .iter()
-                    .map(|&corner| geometry.vertex_ids[corner as usize])
-                    .collect(),
+                corners: vertex_ids(batch, triangle).collect(),
                 depths,
                 kept,
                 front: triangle.front,

@@ -125,6 +125,22 @@ pub(super) fn key(batch: &Batch<'_>, triangle: &Triangle) -> Key {
     }
 }
 
+/// The vertex ids of the corners of a triangle's primitive, as submitted; the greatest number for a
+/// corner that names no vertex.
+pub(super) fn vertex_ids<'a>(
+    batch: &Batch<'a>,
+    triangle: &Triangle,
+) -> impl Iterator<Item = u32> + use<'a> {
+    let size = corners_of(batch.topology);
+    let first = triangle.primitive as usize * size;
+    let geometry = batch.geometry;
+    let corners = geometry.corners[first..first + size].iter();
+    corners.map(|&corner| {
+        let id = geometry.vertex_ids.get(corner as usize);
+        id.copied().unwrap_or(u32::MAX)
+    })
+}
+
 fn set_up_chunk(view: &View, batches: &[Batch<'_>], segments: &[Segment]) -> Chunk {
     let primitives: u32 = segments.iter().map(|segment| segment.count).sum();
     let room = 2 * primitives as usize;

@@ -309,10 +309,16 @@ impl<'a> Tile<'a> {
         };
         match self.scratch.owner[index] {
             NOBODY => self.shown[index] != NOTHING && key(entry) < self.shown[index],
-            // Entries are in the order of submission, whatever order they are decided in.
             owner => {
                 let owner = owner as usize - 1;
-                (key(entry), entry) < (key(owner), owner)
+                let ids = |entry: usize| {
+                    let (triangle, _, batch) = self.triangle(entry);
+                    super::setup::vertex_ids(batch, triangle)
+                };
+                let order = key(entry).cmp(&key(owner));
+                let order = order.then_with(|| ids(entry).cmp(ids(owner)));
+                // Entries are in the order of submission, whatever order they are decided in.
+                order.then(entry.cmp(&owner)).is_lt()
             }
         }
     }

@@ -66,6 +66,19 @@ fn equal_depths_go_to_the_least_key() {
 }
 
 #[test]
+fn equal_keys_go_to_the_least_further_vertices() {
+    for ids in [[4, 5], [5, 4]] {
+        let mut drawing = Drawing::new(4, 4);
+        drawing.shape(&WHOLE[..3], 0.5, [0.25, 0.0, 0.0, 1.0]);
+        drawing.shape(&WHOLE[..3], 0.5, [0.5, 0.0, 0.0, 1.0]);
+        drawing.geometry.vertex_ids = vec![1, 3, ids[0], 1, 3, ids[1]];
+        let (target, _) = drawing.render(Topology::TriangleList, &Plain);
+        let least = if ids[0] == 4 { 0.25 } else { 0.5 };
+        assert_eq!(target.colour(1, 2).x, least);
+    }
+}
+
+#[test]
 fn equal_keys_go_to_the_first_submitted() {
     let mut drawing = Drawing::new(4, 4);
     drawing.shape(&WHOLE, 0.5, [0.5, 0.0, 0.0, 1.0]);
