@@ -90,11 +90,10 @@ impl<'a> Block<'a> {
         }
         for slot in 1..count {
             block.bounds.to(slot, weights, &mut least);
-            for other in 0..slot {
-                if least[other] > block.limit(slot).max(block.limit(other)) {
-                    continue;
+            for (other, &least) in least[..slot].iter().enumerate() {
+                if least <= block.limit(slot).max(block.limit(other)) {
+                    block.look(slot, other);
                 }
-                block.look(slot, other);
             }
         }
         block
