@@ -161,6 +161,10 @@ limits! {
     COPIED_BYTES: u64 = 2_147_483_648, "bytes";
     /// Leaves of all different plants that are kept for the next scene: some hundred bytes each.
     KEPT_LEAVES: usize = 1_048_576, "leaves";
+    /// Bytes of all built models that a cache keeps: 28 a collapse.
+    CACHE_BYTES: u64 = 1_073_741_824, "bytes";
+    /// Built models that a cache keeps.
+    CACHE_FILES: usize = 4096, "files";
     /// Leaves of all different plants of a scene together.
     WORLD_LEAVES: u64 = 16_000_000, "leaves";
     /// Trunk triangles of all different plants of a scene together.

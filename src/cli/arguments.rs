@@ -35,6 +35,8 @@ pub(super) struct Shared {
     /// Card for modelled times, in place of the scene's: geforce6800, geforce6800gt, fx5200, gtx770
     #[arg(long, global = true, value_name = "NAME", value_parser = card)]
     pub(super) card: Option<Card>,
+    #[command(flatten)]
+    pub(super) models: Models,
     /// Print machine-readable JSON
     #[arg(long, global = true)]
     pub(super) json: bool,
@@ -44,6 +46,17 @@ pub(super) struct Shared {
     /// Colour in the terminal
     #[arg(long, global = true, value_enum, default_value_t = Color::Auto)]
     pub(super) color: Color,
+}
+
+/// Where built models are kept: for the commands that show a scene's plants.
+#[derive(Debug, Args)]
+pub(super) struct Models {
+    /// Folder of built models, default `spinney` in the user's cache; results never depend on it
+    #[arg(long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
+    pub(super) cache: Option<PathBuf>,
+    /// Build all models anew and keep none
+    #[arg(long, global = true)]
+    pub(super) no_cache: bool,
 }
 
 /// When to colour.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::arguments::{CounterChoice, Drawing, Shared};
+use super::cache::store;
 use super::error::CliError;
 use super::terminal::Terminal;
 use crate::raster::{Counters, Options, TileSize};
@@ -48,7 +49,7 @@ impl Prepared {
         };
         let options = SessionOptions::of(&scene, raster).map_err(|error| place(&source, error))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let world = World::build(&scene, folder, progress)?;
+        let world = World::build_from(&scene, folder, &store(&shared.models), progress)?;
         for remark in &world.remarks {
             terminal.remark(remark);
         }

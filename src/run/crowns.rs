@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
 use super::RunError;
-use super::world::crown;
+use super::cache::ModelCache;
+use super::world::crown_from;
 use crate::document::Document;
 use crate::math::{Digest, Digester};
 use crate::models::Crown;
@@ -20,6 +21,8 @@ use crate::scene::{PlantSource, Tree};
 pub struct CrownStore {
     /// The one that was used last stands last.
     kept: Mutex<Kept>,
+    /// Where collapses are kept beyond this process.
+    cache: Option<ModelCache>,
 }
 
 type Kept = Vec<(Key, Arc<Crown>)>;
@@ -47,6 +50,16 @@ impl CrownStore {
     pub const fn new() -> Self {
         Self {
             kept: Mutex::new(Vec::new()),
+            cache: None,
+        }
+    }
+
+    /// A store that keeps nothing yet, and takes collapses from a cache.
+    #[must_use]
+    pub const fn with_cache(cache: ModelCache) -> Self {
+        Self {
+            kept: Mutex::new(Vec::new()),
+            cache: Some(cache),
         }
     }
 
@@ -104,7 +117,12 @@ impl CrownStore {
         let built = || -> Result<Arc<Crown>, RunError> {
             let (plant, usual) = plant()?;
             fits(&plant)?;
-            Ok(Arc::new(crown(plant, key.stop_leaves.or(usual))))
+            let stop_leaves = key.stop_leaves.or(usual);
+            Ok(Arc::new(crown_from(
+                plant,
+                stop_leaves,
+                self.cache.as_ref(),
+            )))
         };
         // Held while building, so that nobody builds the same.
         let Some(mut kept) = self.lock() else {

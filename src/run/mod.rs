@@ -8,6 +8,7 @@
 //! **Invariant.** What a frame shows and counts depends on the scene and the frame's number alone:
 //! every session commits every frame in order, also those that it does not draw.
 
+mod cache;
 mod crowns;
 mod mass;
 mod plants;
@@ -18,6 +19,7 @@ mod shard;
 mod sweep;
 mod world;
 
+pub use cache::{CacheLimit, ModelCache};
 pub use crowns::CrownStore;
 pub use mass::{Mass, directions, mass};
 pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};

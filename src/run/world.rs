@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::RunError;
+use super::cache::ModelCache;
 use super::crowns::CrownStore;
 use super::progress::Progress;
 use crate::limits;
@@ -170,13 +171,26 @@ fn within(what: &'static str, tree: usize, found: u64, limit: u64) -> Result<(),
 /// [RRCGR](crate::references), Tables II to V.
 #[must_use]
 pub fn crown(plant: Plant, stop_leaves: Option<u32>) -> Crown {
+    crown_from(plant, stop_leaves, None)
+}
+
+/// [`crown`], with collapses that a cache keeps.
+pub(super) fn crown_from(
+    plant: Plant,
+    stop_leaves: Option<u32>,
+    cache: Option<&ModelCache>,
+) -> Crown {
     let leaves = plant.foliage().quad_count();
     let usual = (135 * leaves).div_ceil(10_000);
     let stop_leaves = stop_leaves.unwrap_or(index_u32(usual));
     let sequence = if index_u32(leaves) <= stop_leaves {
         untouched(index_u32(leaves))
     } else {
-        collapse_leaves(plant.foliage(), &LeafCollapseOptions::to(stop_leaves))
+        let options = LeafCollapseOptions::to(stop_leaves);
+        match cache {
+            Some(cache) => cache.collapse_leaves(plant.foliage(), &options),
+            None => collapse_leaves(plant.foliage(), &options),
+        }
     };
     Crown::new(Arc::new(plant), sequence)
 }

@@ -21,7 +21,7 @@ mod sequence;
 mod storage;
 
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
-pub use leaves::{LeafCollapseOptions, LeafDistance, collapse_leaves};
+pub use leaves::{LEAF_COLLAPSE_VERSION, LeafCollapseOptions, LeafDistance, collapse_leaves};
 pub use measure::{LeafMeasure, is_folded, leaf_area, measure_leaves};
 pub use mesh::{
     EDGE_WEIGHT, LAST_TRIANGLES, LEAST_COSINE, Strips, VertexCollapse, VertexCollapseOptions,

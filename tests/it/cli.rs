@@ -8,6 +8,9 @@ use tempfile::TempDir;
 /// The program with arguments, run in `folder`.
 fn spinney(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_spinney"))
+        // What is built must not come from another build.
+        .env_remove("XDG_CACHE_HOME")
+        .env_remove("HOME")
         .args(arguments)
         .current_dir(folder)
         .output()
@@ -260,4 +263,30 @@ fn grown_plants_import_as_the_same_plant() {
     let grown = spinney(path, &["grow", "shrub.toml", "-o", "tree.glb", "--json"]);
     let read = spinney(path, &["inspect", "tree.glb", "--json"]);
     assert_eq!(digest(&grown), digest(&read));
+}
+
+#[test]
+fn a_cache_of_models_changes_no_output() {
+    let here = folder(("", ""), ("", ""));
+    let run = |name: &str, arguments: &[&str]| {
+        let all = [&["run", "scene.toml", "--json", "-o", name], arguments].concat();
+        let output = spinney(here.path(), &all);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        std::fs::read(here.path().join(name).join("ledger.json")).expect("a ledger")
+    };
+    let none = run("none", &["--no-cache"]);
+    let models = || {
+        let entries = std::fs::read_dir(here.path().join("models")).expect("a folder");
+        let paths = entries.map(|entry| entry.expect("readable").path());
+        paths.collect::<Vec<PathBuf>>()
+    };
+    assert_eq!(run("missed", &["--cache", "models"]), none);
+    let [model] = &models()[..] else {
+        panic!("one model: {:?}", models());
+    };
+    assert_eq!(run("hit", &["--cache", "models"]), none);
+    std::fs::write(model, "spoilt").expect("writable");
+    assert_eq!(run("spoilt", &["--cache", "models"]), none);
+    let both = ["run", "scene.toml", "--no-cache", "--cache", "models"];
+    assert_refused(here.path(), &both, 2, &["--no-cache", "--cache"]);
 }

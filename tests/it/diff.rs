@@ -10,6 +10,9 @@ use tempfile::TempDir;
 /// The program with arguments, run in `folder`.
 fn spinney(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_spinney"))
+        // What is built must not come from another build.
+        .env_remove("XDG_CACHE_HOME")
+        .env_remove("HOME")
         .args(arguments)
         .current_dir(folder)
         .env_remove("COLUMNS")

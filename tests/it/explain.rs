@@ -34,6 +34,9 @@ d_max = 40.0
 
 fn spinney(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_spinney"))
+        // What is built must not come from another build.
+        .env_remove("XDG_CACHE_HOME")
+        .env_remove("HOME")
         .args(arguments)
         .current_dir(folder)
         .env("COLUMNS", "80")

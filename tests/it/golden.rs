@@ -101,6 +101,9 @@ impl Repository {
     /// Runs the program as if `CI` had a value.
     fn run_in(&self, arguments: &[&str], ci: &str) -> Output {
         Command::new(env!("CARGO_BIN_EXE_spinney"))
+            // What is built must not come from another build.
+            .env_remove("XDG_CACHE_HOME")
+            .env_remove("HOME")
             .args(arguments)
             .current_dir(self.0.path())
             .env("CI", ci)

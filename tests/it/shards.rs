@@ -46,6 +46,8 @@ fn folder() -> tempfile::TempDir {
 
 fn spinney(folder: &Path, arguments: &str) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_spinney"));
+    // What is built must not come from another build.
+    program.env_remove("XDG_CACHE_HOME").env_remove("HOME");
     program.current_dir(folder).args(arguments.split(' '));
     program.output().expect("the program starts")
 }

@@ -238,6 +238,9 @@ fn what_is_no_trace_is_refused_at_its_line() {
 /// The program on a trace at standard input: exit code, standard output, standard error.
 fn spinney(arguments: &[&str], input: &str) -> (Option<i32>, String, String) {
     let program = Command::new(env!("CARGO_BIN_EXE_spinney"))
+        // What is built must not come from another build.
+        .env_remove("XDG_CACHE_HOME")
+        .env_remove("HOME")
         .args(arguments)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -124,6 +124,9 @@ impl LeafCollapseOptions {
     }
 }
 
+/// Goes up whenever any foliage gets another sequence than before from [`collapse_leaves`].
+pub const LEAF_COLLAPSE_VERSION: u32 = 2;
+
 /// Collapses quad leaves pair by pair, the cheapest first, never across groups.
 ///
 /// The sequence ends with exactly [`stop_leaves`](LeafCollapseOptions::stop_leaves) leaves, or with

@@ -181,6 +181,8 @@ fn a_full_disk_is_said_and_leaves_nothing() {
             "trap '' XFSZ; ulimit -f 8; exec \"$0\" run scene.toml -o run --quiet",
         ])
         .arg(env!("CARGO_BIN_EXE_spinney"))
+        .env_remove("XDG_CACHE_HOME")
+        .env_remove("HOME")
         .current_dir(folder.path())
         .output()
         .expect("starts");

@@ -30,6 +30,7 @@ fn folder() -> TempDir {
 /// The program with arguments, run in `folder`.
 fn spinney(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_spinney"));
+    command.env_remove("XDG_CACHE_HOME").env_remove("HOME");
     command.args(arguments).current_dir(folder);
     command
 }
