@@ -122,7 +122,7 @@ impl LeafList {
     }
 
     /// What replacing the leaves uploads of a list on the device.
-    pub(super) fn price((crown, bytes): (&Crown, &LeafBytes), leaves: u32) -> u64 {
+    pub(super) fn price(crown: &Crown, bytes: &LeafBytes, leaves: u32) -> u64 {
         let arguments = match bytes.format.records {
             Records::Wide => 4,
             Records::Compact => bytes.argument_stride() * u64::from(Self::draws(crown, bytes)),

@@ -254,13 +254,11 @@ impl Resident for VdfResident {
     }
 
     fn price(&self, to: &State) -> u64 {
-        let clusters = self.model.crown.clusters();
+        let Vdf { crown, leaves, .. } = &self.model;
+        let clusters = crown.clusters();
         match self.model.transfer {
             Transfer::Indices if self.state.counts(clusters) != to.counts(clusters) => {
-                LeafList::price(
-                    (&self.model.crown, &self.model.leaves),
-                    to.leaf_count(clusters),
-                )
+                LeafList::price(crown, leaves, to.leaf_count(clusters))
             }
             Transfer::Indices | Transfer::Host => 0,
         }

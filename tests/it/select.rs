@@ -7,8 +7,8 @@ use proptest::prelude::{ProptestConfig, any, prop_assert, prop_assert_eq};
 use spinney::math::{Stream, Vec3, index_u32, index_usize};
 use spinney::models::{
     Band, ByDistance, ByScreenError, BySilhouette, Criterion, Crown, Extent, Gather, Importance,
-    Kind, ModelOptions, Placement, Sight, State, level_with, select, settle, spread, weights,
-    within_pixels,
+    Kind, LeafFormat, ModelOptions, Placement, Sight, State, level_with, select, settle, spread,
+    weights, within_pixels,
 };
 use spinney::raster::{Counters, Options, TileSize};
 use spinney::run::{Frame, Session, SessionOptions, StandingTree, World};
@@ -271,8 +271,9 @@ properties! {
     fn prices_are_what_the_ledger_says(seed in any::<u64>(), leaves in 2_u32..24, roots in 1_u32..5) {
         let crown = random_crown(seed, leaves, roots);
         let gather = if seed & 1 == 0 { Gather::Single } else { Gather::Regions };
+        let format = LeafFormat::ALL[index_usize(seed >> 1 & 3)];
         for kind in Kind::ALL {
-            let options = ModelOptions { gather, ..OPTIONS };
+            let options = ModelOptions { gather, format, ..OPTIONS };
             let mut stage = Stage::at(kind, options, &crown, &State::FINEST, 4);
             stage.device.take_ledger();
             for step in 0..14 {
