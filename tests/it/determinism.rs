@@ -267,9 +267,9 @@ fn shards_draw_what_one_run_draws() {
 /// table here in a commit of its own that says so.
 const PINNED: &str = "\
 plant     4ae92bd6d54fa6377c8c9c1e3501322ac399bff1d6c3c812931a0865c52e4100
-collapses e2078b3972fa0883403b7b4af0db7504d7937320e7686daa9936cf7744aeba5b
-pictures  cc683e24b8a57f949c1ee365a6fbf21bbebff37776d88aebd68747b2c58ef9bf
-ledgers   4669724889e21c567945da2f6f182da5318cc92b45bab8ae73c607cb54dde80d
+collapses a69d75b925183f1628f0f31dd941c48790ade55e5a9a6d22ec8252ab156ce0b7
+pictures  9359a28bd55d8bd0a7c9c0f7acbb8ba91b8d0092f0e4d15644bb3f02fb39182b
+ledgers   ea62e7b66277467d28a3acf691bcef0db282244567e8d779d27817eca5d409da
 ";
 
 /// A ledger as files have it: the entry of a frame, then each transfer.
