@@ -198,6 +198,9 @@ impl Selector {
 
     /// Which of the changes from what stands to `wanted` a frame can pay for; `None` where the scene
     /// has no budget of bytes.
+    ///
+    /// While changes are put off, a budget of leaves is not kept exactly: leaves mostly come before
+    /// others go.
     pub(super) fn afforded(
         &self,
         world: &World,
