@@ -1,7 +1,7 @@
 //! Drawing.
 
 use criterion::Criterion;
-use spinney::models::Change;
+use spinney::models::TreeChange;
 use spinney::raster::{Counters, Options, TileSize};
 use spinney::run::{Session, SessionOptions};
 
@@ -19,7 +19,7 @@ pub(crate) fn bench(criterion: &mut Criterion) {
         let options = SessionOptions::of(&scene, raster).expect("known names");
         let mut session = Session::new(&scene, &world, &options).expect("memory suffices");
         group.bench_function(format!("yew_{name}/1024x768"), |bencher| {
-            bencher.iter(|| session.draw(0, Change::default()));
+            bencher.iter(|| session.draw(0, TreeChange::default()));
         });
     }
     group.finish();

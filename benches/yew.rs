@@ -24,15 +24,11 @@ pub(crate) fn plant() -> Plant {
 pub(crate) fn world() -> World {
     static CROWN: OnceLock<Arc<Crown>> = OnceLock::new();
     let crown = CROWN.get_or_init(|| Arc::new(crown(plant(), species().stop_leaves)));
-    World {
-        crowns: vec![Arc::clone(crown)],
-        trees: vec![StandingTree {
-            crown: 0,
-            placement: Placement::IDENTITY,
-        }],
-        ground: None,
-        remarks: Vec::new(),
-    }
+    let standing = StandingTree {
+        crown: 0,
+        placement: Placement::IDENTITY,
+    };
+    World::of(vec![Arc::clone(crown)], vec![standing])
 }
 
 /// A screen full of it, under a model; from frame 0 to frame 1 detail falls by a twentieth.

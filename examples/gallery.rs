@@ -75,15 +75,12 @@ fn portrait(path: &Path) -> Result<image::RgbaImage, Box<dyn Error>> {
         size.x.max(size.z),
     );
     let everything = u32::try_from(plant.foliage().leaf_count())?;
-    let world = World {
-        crowns: vec![Arc::new(crown(plant, Some(everything)))],
-        trees: vec![StandingTree {
-            crown: 0,
-            placement: spinney::models::Placement::IDENTITY,
-        }],
-        ground: None,
-        remarks: Vec::new(),
+    let standing = StandingTree {
+        crown: 0,
+        placement: spinney::models::Placement::IDENTITY,
     };
+    let crown = Arc::new(crown(plant, Some(everything)));
+    let world = World::of(vec![crown], vec![standing]);
     let raster = Options {
         tile: TileSize::Side64,
         counters: Counters::Visible,

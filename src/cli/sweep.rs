@@ -7,6 +7,7 @@ use super::error::CliError;
 use super::prepare::Prepared;
 use super::run::folder;
 use super::terminal::Terminal;
+use crate::models::TrunkKind;
 use crate::raster::Counters;
 use crate::report::{
     OutputFolder, SweepHeader, sweep_json, sweep_text, write_sweep, write_sweep_shard,
@@ -78,9 +79,14 @@ fn variants(labels: &[String]) -> Result<Vec<Variant>, CliError> {
     let variant = |label: &String| {
         Variant::labelled(label).ok_or_else(|| {
             let known: Vec<String> = Variant::ALL.iter().map(|variant| variant.label()).collect();
+            let trunks: Vec<String> = TrunkKind::all().map(TrunkKind::label).collect();
             CliError::Usage(format!(
-                "--models: {label:?} is unknown; known are {}, lodf-literal",
-                known.join(", ")
+                "--models: {label:?} is unknown; known are {}, lodf-literal, each also with a trunk, \
+                 such as {}+{}: {}",
+                known.join(", "),
+                known[0],
+                trunks[0],
+                trunks.join(", ")
             ))
         })
     };

@@ -1,5 +1,7 @@
 //! What a pixel of a run shows, and why.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use super::leaf::{LeafBook, LeafStory};
@@ -9,7 +11,7 @@ use super::trunk::{TrunkStory, trunk_story};
 use super::{EXPLAIN_SCHEMA, ExplainError, bounded};
 use crate::gpu::{Key, ProbedFragment};
 use crate::math::Vec4;
-use crate::models::{LEAF_GROUP, State, TERRAIN_GROUP, TRUNK_GROUP};
+use crate::models::{LEAF_GROUP, State, TERRAIN_GROUP, TRUNK_GROUP, Trunk};
 use crate::run::{Frame, Progress, Session, World};
 use crate::scene::{PlantSource, Tree};
 
@@ -275,7 +277,9 @@ fn tell(
         return;
     };
     let crown = &world.crowns[tree.crown];
-    let book = LeafBook::new(crown, state, run.kind(), run.options().model);
+    let book = LeafBook::new(crown, &state.foliage, run.kind(), run.options().model);
+    let trunk = world.trunks[tree.crown].as_ref();
+    let level = Some(state.trunk).filter(|_| run.options().trunk.has_levels());
     let ours = places.iter_mut().flatten();
     for place in ours.filter(|place| place.tree == number) {
         match (place.key[0], place.vertices.as_slice()) {
@@ -284,7 +288,10 @@ fn tell(
                 place.leaf = leaf.map(|leaf| book.story(leaf, &tree.placement));
             }
             (TRUNK_GROUP, &[a, b, c]) => {
-                place.trunk = trunk_story(crown, [a, b, c], &tree.placement);
+                let story = |trunk: &Arc<Trunk>| {
+                    trunk_story(crown, trunk, level, [a, b, c], &tree.placement)
+                };
+                place.trunk = trunk.and_then(story);
             }
             _ => {}
         }
@@ -303,7 +310,7 @@ fn tree_story(run: &RecordedRun, world: &World, frame: &Frame, number: u32) -> O
         .into_iter()
         .nth(number as usize)?;
     let standing = world.trees.get(number as usize)?;
-    let state = frame.states.get(number as usize)?;
+    let state = &frame.states.get(number as usize)?.foliage;
     let crown = &world.crowns[standing.crown];
     let (PlantSource::Species(source) | PlantSource::File { path: source, .. }) = &asked.source;
     Some(TreeStory {

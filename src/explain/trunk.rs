@@ -3,14 +3,15 @@
 use serde::Serialize;
 
 use crate::math::index_u32;
-use crate::models::{Crown, Placement};
+use crate::models::{Crown, Placement, Trunk, TrunkLevel};
 
 /// A triangle of a trunk.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrunkStory {
-    /// Its number in the trunk's mesh; where triangles share all corners, the first of them.
+    /// Its number in the trunk's mesh; where triangles share all corners, the first of them. At a level
+    /// of less detail, of the triangle that has become it.
     pub triangle: u32,
-    /// Its corners' numbers in the vertex buffer.
+    /// Its corners' numbers in the mesh.
     pub vertices: [u32; 3],
     /// Where they are in the plant's space, in metres.
     pub plant: [[f32; 3]; 3],
@@ -37,15 +38,24 @@ pub struct BranchStory {
     pub bearer: Option<u32>,
 }
 
-/// The story of the triangle with these corners, if the trunk has it.
+/// The story of the triangle with these corners, if the trunk has it at a level; without one, corners
+/// are those of the mesh.
 pub(super) fn trunk_story(
     crown: &Crown,
+    trunk: &Trunk,
+    level: Option<TrunkLevel>,
     corners: [u32; 3],
     placement: &Placement,
 ) -> Option<TrunkStory> {
-    let mesh = crown.plant().trunk()?;
-    let mut triangles = (0..).zip(mesh.indices.chunks_exact(3));
-    let (triangle, _) = triangles.find(|(_, indices)| **indices == corners)?;
+    let mesh = trunk.mesh();
+    let (triangle, corners) = match level {
+        None => {
+            let mut triangles = (0..).zip(mesh.indices.chunks_exact(3));
+            let (triangle, _) = triangles.find(|(_, indices)| **indices == corners)?;
+            (triangle, corners)
+        }
+        Some(level) => trunk.in_mesh(level, corners)?,
+    };
     let plant = corners.map(|vertex| mesh.positions[vertex as usize]);
     Some(TrunkStory {
         triangle,

@@ -58,7 +58,7 @@ pub use select::{
     Importance, Move, Sight, Spent, apportion, gain, level, level_with, select, settle, spend,
     spread, weights, within_pixels,
 };
-pub use state::State;
+pub use state::{State, TreeState};
 pub use surface::LEAF_GROUP;
 pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel};
@@ -147,7 +147,7 @@ pub struct Change {
     pub collapses: u32,
     /// Splits done.
     pub splits: u32,
-    /// Clusters whose detail changed.
+    /// Clusters whose detail changed; of a trunk the strips, or blocks of strips, that changed.
     pub clusters_touched: u32,
     /// Records of level-of-detail structures read and written on the host.
     pub host_records: u64,
@@ -161,6 +161,15 @@ impl Change {
         self.clusters_touched += other.clusters_touched;
         self.host_records += other.host_records;
     }
+}
+
+/// What changes of state took over whole trees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TreeChange {
+    /// Of the foliage.
+    pub foliage: Change,
+    /// Of the trunks.
+    pub trunk: Change,
 }
 
 /// What it takes to keep a model, in bytes, without textures and materials.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::TrunkLevel;
 use crate::simplify::Clusters;
 
 /// A cut through the forest of leaves: fully describes a model's resident content.
@@ -18,6 +19,33 @@ pub enum State {
         /// How many, a cluster.
         counts: Vec<u32>,
     },
+}
+
+/// What a whole tree shows.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct TreeState {
+    /// Of its leaves.
+    pub foliage: State,
+    /// Of its trunk, [finest](TrunkLevel::FINEST) where it has none.
+    pub trunk: TrunkLevel,
+}
+
+impl TreeState {
+    /// Full detail.
+    pub const FINEST: Self = Self {
+        foliage: State::FINEST,
+        trunk: TrunkLevel::FINEST,
+    };
+}
+
+/// With the trunk at full detail.
+impl From<State> for TreeState {
+    fn from(foliage: State) -> Self {
+        Self {
+            foliage,
+            ..Self::FINEST
+        }
+    }
 }
 
 impl State {

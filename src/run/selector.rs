@@ -202,13 +202,12 @@ impl Selector {
     /// While changes are put off, a budget of leaves is not kept exactly: leaves mostly come before
     /// others go.
     pub(super) fn afforded(
-        &self,
         world: &World,
         residents: &[Box<dyn Resident>],
         wanted: &[State],
         view: &View,
-    ) -> Option<Afforded> {
-        let budget = self.model.budget_bytes?;
+        budget: u64,
+    ) -> Afforded {
         let mut moves = Vec::new();
         for (number, (tree, resident)) in (0..).zip(world.trees.iter().zip(residents)) {
             let (crown, sight) = (&world.crowns[tree.crown], Sight::of(view, &tree.placement));
@@ -233,7 +232,7 @@ impl Selector {
                 (None, _) => resident.price(&wanted[tree]),
             }
         });
-        Some(reached(residents, wanted, &spent))
+        reached(residents, wanted, &spent)
     }
 }
 

@@ -1,7 +1,5 @@
 //! A scene on a device, frame by frame.
 
-use std::sync::Arc;
-
 use super::RunError;
 use super::selector::Selector;
 use super::shard::exact_place;
@@ -10,10 +8,11 @@ use crate::gpu::{
     Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, ProbedFragment, RenderPass,
     ResourceId, TargetDescriptor, TargetId,
 };
-use crate::math::{Digest, Vec3, Vec4};
+use crate::math::{Digest, Vec3, Vec4, whole_u32};
 use crate::models::{
     Change, Environment, Extraction, Gather, Ground, Kind, LEAF_GROUP, LeafFormat, ModelOptions,
-    Placement, Records, Resident, Shared, State, Trunk, TrunkKind, TrunkLevel, Vertices, View,
+    Placement, Records, Resident, Shared, State, TreeChange, TreeState, TrunkKind, TrunkLevel,
+    Vertices, View,
 };
 use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
 use crate::scene::{self, ImageSize, SampleCount, Scene};
@@ -25,6 +24,8 @@ pub struct SessionOptions {
     pub kind: Kind,
     /// Its choices.
     pub model: ModelOptions,
+    /// The model and mode of trunks.
+    pub trunk: TrunkKind,
     /// Pixels of a frame.
     pub size: ImageSize,
     /// Samples a pixel.
@@ -96,6 +97,10 @@ impl SessionOptions {
                     },
                 },
             },
+            trunk: TrunkKind {
+                name: scene.model.trunk,
+                mode: scene.model.trunk_mode,
+            },
             size: scene.size,
             samples: scene.samples,
             link: Link::named(link).ok_or_else(|| {
@@ -122,6 +127,8 @@ impl SessionOptions {
 pub struct Session<'w> {
     scene: &'w Scene,
     world: &'w World,
+    kind: Kind,
+    trunk: TrunkKind,
     selector: Selector,
     size: ImageSize,
     device: Device,
@@ -135,6 +142,11 @@ pub struct Session<'w> {
     view: Option<View>,
     deferred: Option<u64>,
     owners: Owners,
+}
+
+/// How many collapses stand at a level from 0 to 1.
+fn share_of(level: f32, all: u32) -> u32 {
+    whole_u32(f64::from(level) * f64::from(all))
 }
 
 /// What a buffer or texture of a session belongs to.
@@ -187,12 +199,16 @@ pub struct Frame {
     pub leaves: u64,
     /// Triangles drawn: two a leaf, the trunks', and the ground's.
     pub triangles: u64,
-    /// What the change of detail took.
+    /// Of those, the trunks'.
+    pub trunk_triangles: u64,
+    /// What the change of detail took of the foliage.
     pub change: Change,
+    /// What it took of the trunks.
+    pub trunk_change: Change,
     /// What was moved and drawn.
     pub ledger: Ledger,
     /// The state of every tree.
-    pub states: Vec<State>,
+    pub states: Vec<TreeState>,
     /// With a budget of bytes: how many clusters, or trees that change as a whole, it held back.
     pub deferred: Option<u64>,
 }
@@ -208,7 +224,9 @@ impl Frame {
             image_digest: Digest([0; 32]),
             leaves: 0,
             triangles: 0,
+            trunk_triangles: 0,
             change: Change::default(),
+            trunk_change: Change::default(),
             ledger: Ledger::default(),
             states: Vec::new(),
             deferred: None,
@@ -303,8 +321,8 @@ impl<'w> Session<'w> {
         let mut trunks = Vec::new();
         let mut shared: Vec<Box<dyn Shared>> = Vec::new();
         for (number, crown) in world.crowns.iter().enumerate() {
-            let trunk = Trunk::of(crown.plant()).map(Arc::new);
-            let model = trunk.map(|trunk| TrunkKind::Full.model(&trunk));
+            let trunk = world.trunks[number].as_ref();
+            let model = trunk.map(|trunk| options.trunk.model(trunk, options.model));
             let uploaded = model.map(|model| model.upload(&mut device, &environment));
             trunks.push(uploaded.transpose()?);
             let model = options.kind.model(crown, options.model);
@@ -314,7 +332,10 @@ impl<'w> Session<'w> {
         let mut session = Self {
             scene,
             world,
-            selector: Selector::new(options.kind, &scene.model),
+            kind: options.kind,
+            trunk: options.trunk,
+            // Also where foliage has no levels: trunks follow the axis that it would be on.
+            selector: Selector::new(Kind::LodfHost, &scene.model),
             size: options.size,
             device,
             environment,
@@ -332,9 +353,10 @@ impl<'w> Session<'w> {
             environment.place(&mut session.device.queue(), number, &tree.placement)?;
             let trunk = trunks[tree.crown].as_ref();
             let trunk =
-                trunk.map(|trunk| trunk.instance(&mut session.device, &TrunkLevel::FINEST, number));
+                trunk.map(|trunk| trunk.instance(&mut session.device, &state.trunk, number));
             session.trunks.push(trunk.transpose()?);
-            let resident = shared[tree.crown].instance(&mut session.device, state, number)?;
+            let resident =
+                shared[tree.crown].instance(&mut session.device, &state.foliage, number)?;
             session.residents.push(resident);
             session.owners.claim(&session.device, Owner::Tree(number));
         }
@@ -383,12 +405,30 @@ impl<'w> Session<'w> {
     /// The state of every tree at a frame, from what stands: the first is chosen freely, and what a
     /// scene's band of hysteresis holds back stays. A budget of bytes is not looked at.
     #[must_use]
-    pub fn select(&self, frame: u32) -> Vec<State> {
+    pub fn select(&self, frame: u32) -> Vec<TreeState> {
+        let model = &self.scene.model;
         let view = self.scene.camera.at(frame, self.size);
         let state = |(number, tree): (usize, &super::StandingTree)| {
             let crown = &self.world.crowns[tree.crown];
+            let all = crown.sequence().collapse_count();
             let present = self.residents.get(number).map(|resident| resident.state());
-            self.selector.chosen(crown, tree, &view, present)
+            // What foliage with levels shows, and how far the trunk goes with it.
+            let axis = self.selector.chosen(crown, tree, &view, present);
+            let trunk = self.world.trunks[tree.crown].as_ref();
+            let trunk = trunk.filter(|_| self.trunk.has_levels());
+            TreeState {
+                trunk: trunk.map_or(TrunkLevel::FINEST, |trunk| match model.trunk_level {
+                    Some(level) => TrunkLevel {
+                        collapses: share_of(level, trunk.collapses().collapse_count()),
+                    },
+                    None => trunk.level(axis.collapse_count(), all),
+                }),
+                foliage: if self.kind.has_levels() {
+                    axis
+                } else {
+                    State::FINEST
+                },
+            }
         };
         self.world.trees.iter().enumerate().map(state).collect()
     }
@@ -399,20 +439,38 @@ impl<'w> Session<'w> {
     /// # Errors
     ///
     /// None on this session's own device.
-    pub fn commit(&mut self, frame: u32) -> Result<Change, RunError> {
-        let wanted = self.select(frame);
-        let view = self.scene.camera.at(frame, self.size);
-        let afforded = self
-            .selector
-            .afforded(self.world, &self.residents, &wanted, &view);
-        let states = match afforded {
-            None => wanted,
-            Some(afforded) => {
-                self.deferred = Some(afforded.deferred);
-                afforded.states
-            }
-        };
+    pub fn commit(&mut self, frame: u32) -> Result<TreeChange, RunError> {
+        let mut states = self.select(frame);
+        if let Some(budget) = self.scene.model.budget_bytes {
+            let view = self.scene.camera.at(frame, self.size);
+            self.deferred = Some(self.afford(&mut states, budget, &view));
+        }
         self.commit_states(&states)
+    }
+
+    /// Takes back what a budget of bytes does not allow; returns how many clusters, trunks, or trees
+    /// that change as a whole, are held back. Trunks go first, tree by tree, since they cost little;
+    /// what they leave is spent where the picture gains most.
+    fn afford(&self, states: &mut [TreeState], budget: u64, view: &scene::View) -> u64 {
+        let (mut left, mut deferred) = (budget, 0);
+        for (trunk, state) in self.trunks.iter().zip(&mut *states) {
+            let Some(trunk) = trunk else {
+                continue;
+            };
+            match left.checked_sub(trunk.price(&state.trunk)) {
+                Some(rest) => left = rest,
+                None => {
+                    state.trunk = *trunk.state();
+                    deferred += 1;
+                }
+            }
+        }
+        let wanted: Vec<State> = states.iter().map(|state| state.foliage.clone()).collect();
+        let afforded = Selector::afforded(self.world, &self.residents, &wanted, view, left);
+        for (state, foliage) in states.iter_mut().zip(afforded.states) {
+            state.foliage = foliage;
+        }
+        deferred + afforded.deferred
     }
 
     /// Goes over to given states, one a tree.
@@ -420,10 +478,16 @@ impl<'w> Session<'w> {
     /// # Errors
     ///
     /// None on this session's own device.
-    pub fn commit_states(&mut self, states: &[State]) -> Result<Change, RunError> {
-        let mut change = Change::default();
-        for (resident, state) in self.residents.iter_mut().zip(states) {
-            change.add(&resident.commit(&mut self.device.queue(), state)?);
+    pub fn commit_states(&mut self, states: &[TreeState]) -> Result<TreeChange, RunError> {
+        let mut change = TreeChange::default();
+        let residents = self.trunks.iter_mut().zip(&mut self.residents);
+        for ((trunk, resident), state) in residents.zip(states) {
+            if let Some(trunk) = trunk {
+                let of_trunk = trunk.commit(&mut self.device.queue(), &state.trunk)?;
+                change.trunk.add(&of_trunk);
+            }
+            let of_foliage = resident.commit(&mut self.device.queue(), &state.foliage)?;
+            change.foliage.add(&of_foliage);
         }
         Ok(change)
     }
@@ -433,18 +497,19 @@ impl<'w> Session<'w> {
     /// # Errors
     ///
     /// None on this session's own device.
-    pub fn draw(&mut self, frame: u32, change: Change) -> Result<Frame, RunError> {
+    pub fn draw(&mut self, frame: u32, change: TreeChange) -> Result<Frame, RunError> {
         self.set_view(frame)?;
         let pass = self.pass();
         let ground = self.ground.as_ref().map_or(0, Ground::triangle_count);
-        let (mut triangles, mut leaves) = (u64::from(ground), 0);
-        for (tree, resident) in self.world.trees.iter().zip(&self.residents) {
+        let states = self.states();
+        let (mut trunk_triangles, mut leaves) = (0, 0);
+        for (tree, state) in self.world.trees.iter().zip(&states) {
             let crown = &self.world.crowns[tree.crown];
-            let trunk = crown.plant().trunk();
-            triangles += trunk.map_or(0, |mesh| u64::from(mesh.triangle_count()));
-            leaves += u64::from(resident.state().leaf_count(crown.clusters()));
+            if let Some(trunk) = &self.world.trunks[tree.crown] {
+                trunk_triangles += u64::from(self.trunk.triangle_count(trunk, state.trunk));
+            }
+            leaves += u64::from(state.foliage.leaf_count(crown.clusters()));
         }
-        triangles += 2 * leaves;
         self.device.queue().submit(&[Command::Render(pass)])?;
         let image = self.device.present(self.target)?;
         Ok(Frame {
@@ -453,16 +518,29 @@ impl<'w> Session<'w> {
             image_digest: image.digest(),
             image,
             leaves,
-            triangles,
-            change,
+            triangles: 2 * leaves + trunk_triangles + u64::from(ground),
+            trunk_triangles,
+            change: change.foliage,
+            trunk_change: change.trunk,
             ledger: self.device.take_ledger(),
-            states: self
-                .residents
-                .iter()
-                .map(|resident| resident.state().clone())
-                .collect(),
+            states,
             deferred: self.deferred.take(),
         })
+    }
+
+    /// What every tree shows.
+    fn states(&self) -> Vec<TreeState> {
+        let trees = self.trunks.iter().zip(&self.residents);
+        let state = |(trunk, foliage): (&Option<Box<dyn Resident<TrunkLevel>>>, &Box<_>)| {
+            let foliage: &dyn Resident = &**foliage;
+            TreeState {
+                foliage: foliage.state().clone(),
+                trunk: trunk
+                    .as_ref()
+                    .map_or(TrunkLevel::FINEST, |trunk| *trunk.state()),
+            }
+        };
+        trees.map(state).collect()
     }
 
     /// The linear colour behind everything.

@@ -8,7 +8,10 @@ use super::shard::{Shard, exact};
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
 use crate::math::Digest;
-use crate::models::{Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, Vertices};
+use crate::models::{
+    Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, TreeState, TrunkKind,
+    TrunkLevel, Vertices,
+};
 use crate::scene::Scene;
 use crate::simplify::measure_leaves;
 
@@ -21,6 +24,8 @@ pub struct Variant {
     pub gathered: bool,
     /// How leaves look as bytes.
     pub format: LeafFormat,
+    /// The model and mode of trunks; without it that of the scene.
+    pub trunk: Option<TrunkKind>,
 }
 
 /// As its label.
@@ -62,6 +67,7 @@ impl Variant {
             kind,
             gathered: false,
             format: LeafFormat::WIDE,
+            trunk: None,
         }
     }
 
@@ -88,7 +94,8 @@ impl Variant {
     const ENDINGS: [&'static str; 3] = ["-u16", "-quantised", "-gathered"];
 
     /// The kind's label, then `-u16` with compact records, `-quantised` with quantised vertices,
-    /// `-gathered` where ranges are gathered.
+    /// `-gathered` where ranges are gathered, and `+` and the trunk's label where there is one:
+    /// `lodf-slots-gathered+lodstrips-device`.
     #[must_use]
     pub fn label(self) -> String {
         let has = [
@@ -97,22 +104,32 @@ impl Variant {
             self.gathered,
         ];
         let endings = Self::ENDINGS.into_iter().zip(has).filter(|(_, has)| *has);
-        endings.fold(self.kind.label(), |label, (ending, _)| label + ending)
+        let foliage = endings.fold(self.kind.label(), |label, (ending, _)| label + ending);
+        match self.trunk {
+            None => foliage,
+            Some(trunk) => format!("{foliage}+{}", trunk.label()),
+        }
     }
 
     /// The variant with this label.
     #[must_use]
     pub fn labelled(label: &str) -> Option<Self> {
-        let mut base = label;
+        let (mut base, trunk) = match label.split_once('+') {
+            Some((foliage, trunk)) => (foliage, Some(TrunkKind::labelled(trunk)?)),
+            None => (label, None),
+        };
         let [gathered, quantised, compact] = [2, 1, 0].map(|ending: usize| {
             let stripped = base.strip_suffix(Self::ENDINGS[ending]);
             base = stripped.unwrap_or(base);
             stripped.is_some()
         });
         let kind = Kind::labelled(base)?;
-        // Only slots and stamps ever send several ranges that could be gathered, and only what has
-        // records can have compact ones.
-        let gathers = matches!(kind, Kind::LodfSlots | Kind::LodfStamps);
+        // Only slots, stamps and trunks on the device ever send several ranges that could be gathered,
+        // and only what has records can have compact ones.
+        let trunk_gathers =
+            |trunk: TrunkKind| trunk.has_levels() && trunk.mode == crate::scene::TrunkMode::Device;
+        let gathers =
+            matches!(kind, Kind::LodfSlots | Kind::LodfStamps) || trunk.is_some_and(trunk_gathers);
         let sound = (gathers || !gathered) && (kind != Kind::Full || !compact);
         sound.then_some(Self {
             kind,
@@ -129,6 +146,7 @@ impl Variant {
                     Vertices::Float
                 },
             },
+            trunk,
         })
     }
 }
@@ -177,8 +195,12 @@ pub struct SweepStep {
     pub leaves: u64,
     /// Triangles shown.
     pub triangles: u64,
-    /// What the change of detail took.
+    /// Of those, the trunks'.
+    pub trunk_triangles: u64,
+    /// What the change of detail took of the foliage.
     pub change: Change,
+    /// What it took of the trunks.
+    pub trunk_change: Change,
     /// What was moved and drawn.
     pub ledger: Ledger,
     /// The picture's digest.
@@ -253,7 +275,7 @@ impl SweepModel {
 
 /// Walks every model along the axis of detail, seen from the camera of frame 0. Step `i` of `N` stands at
 /// `floor(i · C / N)` collapses of each tree: of the sequence, or where the scene's detail is variable
-/// spread over the clusters as its criterion says.
+/// spread over the clusters as its criterion says; and likewise of its trunk.
 ///
 /// # Errors
 ///
@@ -266,9 +288,10 @@ pub fn sweep(
 ) -> Result<Sweep, RunError> {
     let mut models = Vec::new();
     // What is measured depends on the leaves alone, which all models share.
+    let foliage = (Kind::LodfCluster, TrunkKind::FULL);
     let measures: Vec<(f64, u64)> = (0..=options.steps)
         .map(|step| {
-            let states = states_at(scene, world, options, Kind::LodfCluster, step);
+            let states = states_at(scene, world, options, foliage, step);
             measure(world, &states)
         })
         .collect();
@@ -294,6 +317,7 @@ fn walk(
     };
     let session_options = SessionOptions {
         kind: variant.kind,
+        trunk: variant.trunk.unwrap_or(options.session.trunk),
         model: ModelOptions {
             gather,
             format: variant.format,
@@ -305,12 +329,19 @@ fn walk(
     let mut finest = scene.clone();
     finest.model.level = Some(0.0);
     finest.model.budget_bytes = None;
+    finest.model.trunk_level = Some(0.0);
     let mut session = Session::new(&finest, world, &session_options)?;
     let initial = session.initial().clone();
     let resident = session.device().resident_by_label();
     let mut steps = Vec::new();
     for step in 0..=options.steps {
-        let states = states_at(scene, world, options, variant.kind, step);
+        let states = states_at(
+            scene,
+            world,
+            options,
+            (variant.kind, session_options.trunk),
+            step,
+        );
         let change = session.commit_states(&states)?;
         if !options.shard.draws(step) {
             session.forget(0)?;
@@ -326,7 +357,9 @@ fn walk(
             of: options.steps,
             leaves: frame.leaves,
             triangles: frame.triangles,
-            change,
+            trunk_triangles: frame.trunk_triangles,
+            change: change.foliage,
+            trunk_change: change.trunk,
             ledger: frame.ledger,
             image_digest: frame.image_digest,
             covered_pixels: session.covered_pixels(),
@@ -348,23 +381,32 @@ fn states_at(
     scene: &Scene,
     world: &World,
     options: &SweepOptions,
-    kind: Kind,
+    (kind, trunk): (Kind, TrunkKind),
     step: u32,
-) -> Vec<State> {
+) -> Vec<TreeState> {
     let selector = Selector::new(kind, &scene.model);
     let view = scene.camera.at(0, options.session.size);
+    let at = [step, options.steps];
     let state = |tree: &super::StandingTree| {
         let crown = &world.crowns[tree.crown];
-        selector.at_step(crown, tree, &view, [step, options.steps])
+        let model = world.trunks[tree.crown].as_ref();
+        let model = model.filter(|_| trunk.has_levels());
+        TreeState {
+            foliage: selector.at_step(crown, tree, &view, at),
+            trunk: model.map_or(TrunkLevel::FINEST, |model| model.level(step, options.steps)),
+        }
     };
     world.trees.iter().map(state).collect()
 }
 
 /// Area and folded leaves over all trees.
-fn measure(world: &World, states: &[State]) -> (f64, u64) {
+fn measure(world: &World, states: &[TreeState]) -> (f64, u64) {
     // Trees of a plant that show the same, as all do where detail is uniform, are measured once.
     let mut last: Vec<Option<(&State, f64, u64)>> = vec![None; world.crowns.len()];
-    let trees = world.trees.iter().zip(states);
+    let trees = world
+        .trees
+        .iter()
+        .zip(states.iter().map(|state| &state.foliage));
     trees.fold((0.0, 0), |(area, folded), (tree, state)| {
         let (_, one_area, one_folded) = match last[tree.crown] {
             Some(known) if known.0 == state => known,

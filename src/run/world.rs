@@ -9,7 +9,7 @@ use super::crowns::CrownStore;
 use super::progress::Progress;
 use crate::limits;
 use crate::math::{Quat, det, index_u32};
-use crate::models::{Crown, Placement};
+use crate::models::{Crown, Placement, Trunk};
 use crate::plant::{Mesh, Plant};
 use crate::scene::{PlantSource, Scene, Tree};
 use crate::simplify::{CollapseSequence, LeafCollapseOptions, collapse_leaves};
@@ -19,6 +19,8 @@ use crate::simplify::{CollapseSequence, LeafCollapseOptions, collapse_leaves};
 pub struct World {
     /// Each plant once.
     pub crowns: Vec<Arc<Crown>>,
+    /// The trunk of each plant that has one; simplified once a model of it wants levels.
+    pub trunks: Vec<Option<Arc<Trunk>>>,
     /// The trees in the order of the scene.
     pub trees: Vec<StandingTree>,
     /// The ground, if the scene has one.
@@ -37,6 +39,19 @@ pub struct StandingTree {
 }
 
 impl World {
+    /// Plants that are there already, with trunks that are simplified as usual.
+    #[must_use]
+    pub fn of(crowns: Vec<Arc<Crown>>, trees: Vec<StandingTree>) -> Self {
+        let trunk = |crown: &Arc<Crown>| Trunk::of(crown.plant(), None).map(Arc::new);
+        Self {
+            trunks: crowns.iter().map(trunk).collect(),
+            crowns,
+            trees,
+            ground: None,
+            remarks: Vec::new(),
+        }
+    }
+
     /// Grows or imports every plant of a scene once and simplifies its foliage.
     ///
     /// `folder` is where the scene's paths start.
@@ -60,13 +75,8 @@ impl World {
         progress: &dyn Progress,
     ) -> Result<Self, RunError> {
         let mut known: Vec<(&PlantSource, u64, usize)> = Vec::new();
-        let ground = scene.terrain.map(|terrain| Arc::new(terrain.mesh()));
-        let mut world = Self {
-            crowns: Vec::new(),
-            trees: Vec::new(),
-            ground,
-            remarks: Vec::new(),
-        };
+        let mut world = Self::of(Vec::new(), Vec::new());
+        world.ground = scene.terrain.map(|terrain| Arc::new(terrain.mesh()));
         let trees = scene.standing_trees();
         progress.begin("plants", distinct_plants(&trees));
         let mut size = Size::default();
@@ -84,6 +94,8 @@ impl World {
                     let remarks = &mut world.remarks;
                     let crown = store.crown(tree, folder, stop_leaves, &fits, remarks)?;
                     size = size.with_plant(number, crown.plant())?;
+                    let trunk = Trunk::of(crown.plant(), scene.model.trunk_triangles);
+                    world.trunks.push(trunk.map(Arc::new));
                     world.crowns.push(crown);
                     digests.push(None);
                     known.push((&tree.source, tree.seed, world.crowns.len() - 1));

@@ -4,7 +4,7 @@ use crate::limits;
 
 use super::{
     CriterionName, DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, RecordWidth,
-    VertexFormat,
+    TrunkMode, TrunkName, VertexFormat,
 };
 
 /// One key of a scene file.
@@ -348,6 +348,14 @@ pub const KEYS: &[Key] = &[
         "Detail stays until what is wanted has moved by this share of the range."),
     key("model.budget_bytes", Kind::Integer { min: 1, max: limits::DEVICE_BYTES }, "bytes a frame", Absent::Rule("no limit"),
         "Changes of detail upload at most so much payload in a frame, not counting the first's."),
+    key("model.trunk", Kind::Choice(TrunkName::NAMES), "", Absent::Value("\"full\""),
+        "The level-of-detail system for trunks."),
+    key("model.trunk_mode", Kind::Choice(TrunkMode::NAMES), "", Absent::Value("\"device\""),
+        "Where the triangles of trunks lie: resident, or fetched by each draw."),
+    key("model.trunk_level", Kind::Number { min: 0.0, max: 1.0 }, "", Absent::Rule("as far as the foliage"),
+        "A fixed level of trunks: 0 all triangles, 1 the fewest."),
+    key("model.trunk_triangles", Kind::Integer { min: 0, max: limits::TRUNK_TRIANGLES as u64 }, "triangles", Absent::Rule("a twentieth"),
+        "Simplification of trunks stops at so many triangles."),
 
     key("device", Kind::Table, "", Absent::Value("{}"),
         "The simulated device."),

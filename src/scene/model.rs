@@ -4,7 +4,7 @@
 macro_rules! choices {
     ($(#[$doc:meta])* $name:ident { $($(#[$value_doc:meta])* $value:ident = $text:literal,)+ }) => {
         $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum $name {
             $($(#[$value_doc])* $value,)+
         }
@@ -65,6 +65,30 @@ choices! {
         Indices = "indices",
         /// Without levels only: the vertices, and nothing ever changes.
         Resident = "resident",
+    }
+}
+
+choices! {
+    /// The level-of-detail systems for trunks.
+    TrunkName {
+        /// No level of detail: the yardstick.
+        Full = "full",
+        /// Multiresolution triangle strips ([RC04](crate::references)).
+        LodStrips = "lodstrips",
+        /// The same, with places that make no triangle cut out.
+        LodStripsCut = "lodstrips-cut",
+        /// Multiresolution ordered meshes ([RLBRC01](crate::references)).
+        Mom = "mom",
+    }
+}
+
+choices! {
+    /// Where the triangles of trunks lie.
+    TrunkMode {
+        /// On the device: a change of detail sends what differs.
+        Device = "device",
+        /// In host memory: each draw fetches them.
+        Host = "host",
     }
 }
 
@@ -181,6 +205,14 @@ pub struct ModelChoice {
     pub hysteresis: f32,
     /// The most payload bytes that changes of detail send in a frame.
     pub budget_bytes: Option<u64>,
+    /// Which system the trunk has.
+    pub trunk: TrunkName,
+    /// Where its triangles lie.
+    pub trunk_mode: TrunkMode,
+    /// A fixed level from 0 (all triangles) to 1 (fewest), in place of the foliage's.
+    pub trunk_level: Option<f32>,
+    /// The number of triangles at which its simplification stops, in place of the usual.
+    pub trunk_triangles: Option<u32>,
 }
 
 /// How many leaves a tree shows, when distance does not say it.

@@ -15,7 +15,7 @@ use super::{
     Area, Camera, CameraKey, CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction,
     Forest, ForestChoice, ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode,
     ModelChoice, ModelName, NoRoom, PlantSource, Projection, RecordWidth, SampleCount, Scene,
-    SceneError, Terrain, Tree, VertexFormat,
+    SceneError, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -376,6 +376,10 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         amount: budget.or(share).or(error),
         hysteresis: table.have("hysteresis")?,
         budget_bytes: table.get("budget_bytes")?,
+        trunk: TrunkName::from_name(&name("trunk")?).expect(NAMED),
+        trunk_mode: TrunkMode::from_name(&name("trunk_mode")?).expect(NAMED),
+        trunk_level: table.get("trunk_level")?,
+        trunk_triangles: table.get("trunk_triangles")?.map(small),
     })
 }
 

@@ -5,7 +5,7 @@ use crate::math::{Digest, Digester, Vec3};
 use super::value::BYTE_UNITS;
 use super::{
     Camera, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice, PlantSource,
-    Projection, RecordWidth, SCHEMA, Scene, Terrain, Tree, VertexFormat,
+    Projection, RecordWidth, SCHEMA, Scene, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -100,6 +100,7 @@ impl Scene {
             digest_terrain(digester.text("terrain"), terrain);
         }
         digest_selection(&mut digester, &self.model);
+        digest_trunk(&mut digester, &self.model);
         digester.finish()
     }
 }
@@ -231,6 +232,14 @@ fn write_model(text: &mut Text, model: &ModelChoice) {
     text.key("hysteresis", &model.hysteresis.to_string());
     if let Some(bytes) = model.budget_bytes {
         text.key("budget_bytes", &bytes.to_string());
+    }
+    text.key("trunk", &quoted(model.trunk.name()));
+    text.key("trunk_mode", &quoted(model.trunk_mode.name()));
+    if let Some(level) = model.trunk_level {
+        text.key("trunk_level", &level.to_string());
+    }
+    if let Some(triangles) = model.trunk_triangles {
+        text.key("trunk_triangles", &triangles.to_string());
     }
 }
 
@@ -375,6 +384,33 @@ fn digest_selection(digester: &mut Digester, model: &ModelChoice) {
     match model.budget_bytes {
         None => _ = digester.u32(0),
         Some(bytes) => _ = digester.u32(1).u64(bytes),
+    }
+}
+
+/// At the end, and only where something is asked for: scenes that are older keep their digest.
+fn digest_trunk(digester: &mut Digester, model: &ModelChoice) {
+    let ModelChoice {
+        trunk,
+        trunk_mode,
+        trunk_level,
+        trunk_triangles,
+        ..
+    } = *model;
+    let usual = trunk == TrunkName::Full && trunk_mode == TrunkMode::Device;
+    if usual && trunk_level.is_none() && trunk_triangles.is_none() {
+        return;
+    }
+    digester
+        .text("trunk")
+        .u32(trunk as u32)
+        .u32(trunk_mode as u32);
+    match trunk_level {
+        None => _ = digester.u32(0),
+        Some(level) => _ = digester.u32(1).f32(level),
+    }
+    match trunk_triangles {
+        None => _ = digester.u32(0),
+        Some(triangles) => _ = digester.u32(1).u32(triangles),
     }
 }
 

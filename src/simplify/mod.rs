@@ -6,11 +6,14 @@
 //!                                        │
 //!                                        ├─measure_leaves──▶ area, folds of a level
 //!                                        └─Accounting──────▶ bytes, beside what the papers print
+//! Plant.trunk ──collapse_vertices──▶ VertexCollapses ─┬─ mesh_after(level)
+//!   triangle mesh                      u → v          └─ strips_of ─▶ Strips
 //! ```
 //!
 //! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
 //! consumed at most once, only after it exists, and every new leaf uses vertices of its own
-//! originals with their corner roles kept.
+//! originals with their corner roles kept. A [`VertexCollapses`] moves vertices to vertices with higher
+//! numbers, so that what is gone is always a first part of them all.
 
 mod clusters;
 mod leaves;

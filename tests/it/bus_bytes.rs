@@ -499,8 +499,8 @@ fn trunks_cost_what_their_mesh_holds() {
             material: material(bark.map(|(width, height)| texture(width, height)), 0.0),
         };
         let plant = Plant::new("trunk", None, Some(mesh), Foliage::default()).expect("sound parts");
-        let trunk = Arc::new(Trunk::of(&Arc::new(plant)).expect("it has one"));
-        let model = TrunkKind::Full.model(&trunk);
+        let trunk = Arc::new(Trunk::of(&Arc::new(plant), None).expect("it has one"));
+        let model = TrunkKind::FULL.model(&trunk, OPTIONS);
         let shared = model.upload(&mut device, &environment);
         let shared = shared.expect("memory suffices");
         let levels = bark.map_or_else(Vec::new, |(w, h)| mip_bytes(w, h));

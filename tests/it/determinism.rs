@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use spinney::gpu::{DeviceDescriptor, Ledger, WorkCounts};
 use spinney::math::Digester;
-use spinney::models::{Crown, Kind, State};
+use spinney::models::{Crown, Kind, State, TreeState};
 use spinney::plant::{Foliage, Plant};
 use spinney::raster::{Counters, Options, TileSize};
 use spinney::report::LedgerEntry;
@@ -150,7 +150,8 @@ fn all_models_show_the_same_pictures() {
         for kind in Kind::SOUND {
             let mut session = session(&scene, world, kind, samples, PLAIN);
             for (states, shown) in states.iter().zip(&mut shown) {
-                let change = session.commit_states(states).expect("its own device");
+                let states = states.clone().map(TreeState::from);
+                let change = session.commit_states(&states).expect("its own device");
                 let frame = session.draw(0, change).expect("its own device");
                 let pixels = session.covered_pixels();
                 shown.push((

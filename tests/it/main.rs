@@ -27,4 +27,6 @@ mod simplify_props;
 mod support;
 mod threads;
 mod traces;
+mod vertex_collapses;
 mod walks;
+mod whole_trees;

@@ -3,9 +3,14 @@
 
 use std::sync::Arc;
 
-use proptest::prelude::{ProptestConfig, Strategy, any, proptest};
-use spinney::math::index_usize;
-use spinney::models::{Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Records, State};
+use proptest::collection::vec;
+use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_oneof, proptest};
+use spinney::math::{index_u32, index_usize};
+use spinney::models::{
+    Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Records, State, TrunkKind,
+    TrunkLevel,
+};
+use spinney::scene::{TrunkMode, TrunkName};
 use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
 use spinney::testkit::strategy::{self, WalkOptions};
 use spinney::testkit::{
@@ -14,9 +19,12 @@ use spinney::testkit::{
 };
 
 use crate::laws::check_conservation;
-use crate::support::{Cases, OPTIONS, Stage, StageExt as _, random_crown};
+use crate::support::{
+    Cases, OPTIONS, Stage, StageExt as _, random_crown, random_trunk, trunk_picture, trunk_stage,
+};
 
 const SIDE: u32 = 48;
+const TRUNK_SIDE: u32 = 24;
 
 /// Both ways to extract and to send, and all formats, by a number.
 fn options(choice: u64) -> ModelOptions {
@@ -99,31 +107,95 @@ fn cases() -> impl Strategy<Value = TreeWalk> {
     })
 }
 
+/// One walk of a trunk: residency at every step, images and the ledger at the end. All kinds but the
+/// full one draw what the plain list of the level's triangles draws.
+fn trunk_walk(
+    kind: TrunkKind,
+    seed: u64,
+    levels: &[u32],
+    tally: &mut Tally,
+) -> Result<(), Violation> {
+    let (trunk, options) = (&random_trunk(seed), options(seed));
+    let most = u64::from(trunk.collapses().collapse_count());
+    let level = |&share: &u32| TrunkLevel {
+        collapses: index_u32(index_usize(u64::from(share) * most / u64::from(u32::MAX))),
+    };
+    let levels: Vec<TrunkLevel> = levels.iter().map(level).collect();
+    let (Some((&start, levels)), Some(&last)) = (levels.split_first(), levels.last()) else {
+        return Ok(());
+    };
+    let mut walked = trunk_stage(kind, options, trunk, start, TRUNK_SIDE);
+    for &level in levels {
+        walked.commit(&level);
+        let stands = *walked.resident.state() == level || !kind.has_levels();
+        assert!(stands, "a resident says what it shows");
+        let mut fresh = trunk_stage(kind, options, trunk, level, TRUNK_SIDE);
+        tally.count(Law::Residency, residency(&mut walked, &mut fresh))?;
+    }
+    let mut fresh = trunk_stage(kind, options, trunk, last, TRUNK_SIDE);
+    let has_levels = kind.has_levels();
+    let reference = has_levels.then(|| trunk_picture(trunk, last, TRUNK_SIDE));
+    check_end(&mut walked, &mut fresh, reference.as_ref(), tally)
+}
+
+/// What has contracts.
+trait Contracts: Copy {
+    /// Checks some walks.
+    fn check(self, name: &'static str);
+}
+
+impl Contracts for Kind {
+    fn check(self, name: &'static str) {
+        let count = Cases::of(name);
+        proptest!(config(name, 2000), |(seed in any::<u64>(), case in cases())| {
+            count.one();
+            let mut tally = Tally::default();
+            let law = walk(self, seed, &case, &mut tally);
+            count.checked(&tally);
+            law?;
+        });
+    }
+}
+
+impl Contracts for TrunkKind {
+    fn check(self, name: &'static str) {
+        let count = Cases::of(name);
+        let levels = || {
+            vec(
+                prop_oneof![4 => any::<u32>(), 1 => Just(0), 1 => Just(u32::MAX)],
+                2..8,
+            )
+        };
+        proptest!(config(name, 400), |(seed in any::<u64>(), levels in levels())| {
+            count.one();
+            let mut tally = Tally::default();
+            let law = trunk_walk(self, seed, &levels, &mut tally);
+            count.checked(&tally);
+            law?;
+        });
+    }
+}
+
+fn config(name: &'static str, cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        test_name: Some(name),
+        source_file: Some(file!()),
+        ..ProptestConfig::default()
+    }
+}
+
+const fn trunk(name: TrunkName, mode: TrunkMode) -> TrunkKind {
+    TrunkKind { name, mode }
+}
+
 macro_rules! contracts {
     ($($name:ident: $kind:expr;)*) => {$(
         #[test]
         fn $name() {
-            contract(concat!(module_path!(), "::", stringify!($name)), $kind);
+            $kind.check(concat!(module_path!(), "::", stringify!($name)));
         }
     )*};
-}
-
-/// Two thousand walks of one kind.
-fn contract(name: &'static str, kind: Kind) {
-    let count = Cases::of(name);
-    let config = ProptestConfig {
-        cases: 2000,
-        test_name: Some(name),
-        source_file: Some(file!()),
-        ..ProptestConfig::default()
-    };
-    proptest!(config, |(seed in any::<u64>(), case in cases())| {
-        count.one();
-        let mut tally = Tally::default();
-        let law = walk(kind, seed, &case, &mut tally);
-        count.checked(&tally);
-        law?;
-    });
 }
 
 contracts! {
@@ -134,6 +206,42 @@ contracts! {
     lodf_cluster: Kind::LodfCluster;
     lodf_slots: Kind::LodfSlots;
     lodf_stamps: Kind::LodfStamps;
+    trunk_full: trunk(TrunkName::Full, TrunkMode::Device);
+    trunk_full_host: trunk(TrunkName::Full, TrunkMode::Host);
+    trunk_lodstrips: trunk(TrunkName::LodStrips, TrunkMode::Device);
+    trunk_lodstrips_host: trunk(TrunkName::LodStrips, TrunkMode::Host);
+    trunk_lodstrips_cut: trunk(TrunkName::LodStripsCut, TrunkMode::Device);
+    trunk_lodstrips_cut_host: trunk(TrunkName::LodStripsCut, TrunkMode::Host);
+    trunk_mom: trunk(TrunkName::Mom, TrunkMode::Device);
+    trunk_mom_host: trunk(TrunkName::Mom, TrunkMode::Host);
+}
+
+/// Storage is what lies there, host and device.
+#[test]
+fn trunks_take_what_they_say() {
+    for seed in 0..12 {
+        let trunk = random_trunk(seed);
+        for kind in TrunkKind::all() {
+            let model = kind.model(&trunk, OPTIONS);
+            let storage = model.storage();
+            assert_eq!(
+                storage.host_bytes,
+                model.host_bytes().len() as u64,
+                "{kind:?}"
+            );
+            let stage = trunk_stage(kind, OPTIONS, &trunk, TrunkLevel::FINEST, 4);
+            let on_device = stage.device.resident_by_label();
+            let trunks = on_device
+                .iter()
+                .filter(|(label, _)| label.starts_with("trunk ") && label != "trunk surface");
+            let held: u64 = trunks.map(|(_, bytes)| bytes).sum();
+            assert_eq!(
+                held,
+                storage.shared_bytes + storage.instance_bytes,
+                "{kind:?}"
+            );
+        }
+    }
 }
 
 /// What each model means to show, step by step.
@@ -268,6 +376,85 @@ mod seeded {
                 image_equality(&mut short, &mut fresh, reference.as_ref()).is_err(),
                 "{kind:?}"
             );
+        }
+    }
+
+    /// A sound trunk with one fault.
+    #[derive(Debug)]
+    struct FaultyTrunk {
+        inner: Box<dyn Resident<TrunkLevel>>,
+        shown: TrunkLevel,
+        fault: Fault,
+    }
+
+    impl Resident<TrunkLevel> for FaultyTrunk {
+        fn state(&self) -> &TrunkLevel {
+            &self.shown
+        }
+
+        fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
+            self.shown = *to;
+            let further = u32::from(self.fault == Fault::OffByOne);
+            let to = TrunkLevel {
+                collapses: to.collapses + further,
+            };
+            self.inner.commit(queue, &to)
+        }
+
+        fn price(&self, to: &TrunkLevel) -> u64 {
+            self.inner.price(to)
+        }
+
+        fn host_bytes(&self) -> u64 {
+            self.inner.host_bytes()
+        }
+
+        fn draw(&self, steps: &mut Vec<Step>) {
+            self.inner.draw(steps);
+            if self.fault == Fault::StopsShort {
+                for step in steps {
+                    match step {
+                        Step::Draw(Draw { corner_count, .. }) => *corner_count /= 2,
+                        Step::DrawIndirect(DrawIndirect { count, .. }) => *count -= 1,
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
+    /// Of the trunks with these seeds, how often a fault is caught at half detail.
+    fn caught(kind: TrunkKind, fault: Fault) -> u32 {
+        let mut caught = 0;
+        for seed in 0..10 {
+            let trunk = random_trunk(seed);
+            let half = TrunkLevel {
+                collapses: trunk.collapses().collapse_count() / 2,
+            };
+            let mut walked = trunk_stage(kind, OPTIONS, &trunk, TrunkLevel::FINEST, TRUNK_SIDE);
+            let other = trunk_stage(kind, OPTIONS, &trunk, TrunkLevel::FINEST, 4).resident;
+            walked.resident = Box::new(FaultyTrunk {
+                inner: std::mem::replace(&mut walked.resident, other),
+                shown: TrunkLevel::FINEST,
+                fault,
+            });
+            walked.commit(&half);
+            let mut fresh = trunk_stage(kind, OPTIONS, &trunk, half, TRUNK_SIDE);
+            let reference = trunk_picture(&trunk, half, TRUNK_SIDE);
+            let law = match fault {
+                Fault::OffByOne => residency(&mut walked, &mut fresh),
+                Fault::StopsShort => image_equality(&mut walked, &mut fresh, Some(&reference)),
+            };
+            caught += u32::from(law.is_err());
+        }
+        caught
+    }
+
+    #[test]
+    fn faults_of_trunks_are_caught() {
+        for kind in TrunkKind::all().filter(|kind| kind.has_levels()) {
+            assert!(caught(kind, Fault::OffByOne) >= 9, "{kind:?}");
+            assert!(caught(kind, Fault::StopsShort) >= 5, "{kind:?}");
         }
     }
 

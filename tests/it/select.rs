@@ -305,12 +305,10 @@ fn small_world() -> World {
             ..Placement::IDENTITY
         },
     };
-    World {
-        ground: None,
-        crowns: vec![random_crown(1, 300, 12), random_crown(2, 80, 5)],
-        trees: vec![tree(0, 0.0), tree(1, 2.0), tree(0, -3.0)],
-        remarks: Vec::new(),
-    }
+    World::of(
+        vec![random_crown(1, 300, 12), random_crown(2, 80, 5)],
+        vec![tree(0, 0.0), tree(1, 2.0), tree(0, -3.0)],
+    )
 }
 
 /// The birches with another model.

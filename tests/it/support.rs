@@ -8,9 +8,12 @@ use std::sync::{Arc, OnceLock};
 
 use spinney::document::Document;
 use spinney::gpu::DeviceDescriptor;
-use spinney::math::{Stream, Vec3, index_u32, index_usize};
-use spinney::models::{Crown, Extraction, Gather, Kind, LeafFormat, Model, ModelOptions, State};
-use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype, Texture};
+use spinney::math::{Draws, Stream, Vec2, Vec3, det, index_u32, index_usize};
+use spinney::models::{
+    Crown, Extraction, Gather, Kind, LeafFormat, Model, ModelOptions, State, Trunk, TrunkKind,
+    TrunkLevel,
+};
+use spinney::plant::{Foliage, LeafGroup, Material, Mesh, NO_BRANCH, Plant, Prototype, Texture};
 use spinney::raster::Image;
 use spinney::run::{Silent, World};
 use spinney::scene::{Scene, SceneFile};
@@ -96,7 +99,7 @@ pub(crate) use properties;
 pub(crate) fn random_crown(seed: u64, leaves: u32, roots: u32) -> Arc<Crown> {
     let mut draws = Stream::new(seed, 1).draws();
     let split = leaves / 2;
-    let group = |count: u32, color: [f32; 4], draws: &mut spinney::math::Draws| {
+    let group = |count: u32, color: [f32; 4], draws: &mut Draws| {
         let mut positions = Vec::new();
         for _ in 0..count {
             let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
@@ -170,6 +173,111 @@ fn disc_texture() -> Texture {
         [255, 255, 255, if x * x + y * y < 60 { 255 } else { 0 }]
     };
     Texture::new(8, 8, (0..64).flat_map(texel).collect()).expect("64 texels")
+}
+
+/// A trunk of up to three parts, tubes and patches, all of which may go. Corners lie on a lattice, so
+/// that triangles touch, cross, tie and lose their area; some positions have two vertices.
+pub(crate) fn random_trunk(seed: u64) -> Arc<Trunk> {
+    let mut draws = Stream::new(seed, 4).draws();
+    let mut mesh = Mesh {
+        positions: Vec::new(),
+        normals: Vec::new(),
+        texture_coordinates: Vec::new(),
+        indices: Vec::new(),
+        material: Material {
+            name: "bark".to_owned(),
+            base_color: [0.9, 0.7, 0.5, 1.0],
+            texture: None,
+            alpha_cutoff: 0.0,
+        },
+    };
+    for _ in 0..1 + draws.below(3) {
+        let tube = draws.below(2) == 0;
+        random_part(&mut mesh, tube, &mut draws);
+    }
+    let plant = Plant::new("trunk", None, Some(mesh), Foliage::default()).expect("sound parts");
+    Arc::new(Trunk::of(&Arc::new(plant), Some(0)).expect("it has a trunk"))
+}
+
+/// Rows of vertices; a tube closes each row, and its last row with a fan.
+fn random_part(mesh: &mut Mesh, tube: bool, draws: &mut Draws) {
+    let (rows, columns) = (2 + draws.below(3), 3 + draws.below(3));
+    // Every sixth of a unit, or every thousandth.
+    let cells = if draws.below(2) == 0 { 6.0 } else { 1000.0 };
+    let at = Vec3::new(draws.signed(), draws.signed(), draws.signed()) * 0.6;
+    let first = index_u32(mesh.positions.len());
+    let mut vertex = |mesh: &mut Mesh, place: Vec3| {
+        let normal = Vec3::new(draws.signed(), draws.signed(), draws.signed());
+        mesh.positions.push((place * cells).round() / cells);
+        mesh.normals.push(normal.normalize_or(Vec3::Y));
+        mesh.texture_coordinates
+            .push(Vec2::new(draws.unit(), draws.unit()));
+    };
+    // A patch has its columns side by side; a tube with a seam has its first column twice.
+    for row in 0..rows {
+        for column in 0..columns {
+            let share = column as f32 / columns as f32;
+            let height = row as f32 / 3.0 - 0.4;
+            let (sine, cosine) = det::sin_cos(std::f32::consts::TAU * share);
+            let across = if tube {
+                Vec3::new(0.4 * cosine, height, 0.4 * sine)
+            } else {
+                Vec3::new(share - 0.4, height, 0.3 * sine)
+            };
+            vertex(mesh, at + across);
+        }
+    }
+    let [rows, columns] = [rows, columns].map(|count| index_u32(index_usize(count)));
+    let number = |row: u32, column: u32| first + row * columns + column % columns;
+    let closed = if tube { columns } else { columns - 1 };
+    for row in 1..rows {
+        for column in 0..closed {
+            let [a, b] = [column, column + 1].map(|column| number(row - 1, column));
+            let [c, d] = [column + 1, column].map(|column| number(row, column));
+            mesh.indices.extend([a, d, c, a, c, b]);
+        }
+    }
+    if tube {
+        let tip = index_u32(mesh.positions.len());
+        vertex(mesh, at + Vec3::new(0.0, rows as f32 / 3.0 - 0.4, 0.0));
+        for column in 0..columns {
+            mesh.indices
+                .extend([number(rows - 1, column), tip, number(rows - 1, column + 1)]);
+        }
+    }
+    // A seam: some triangles use a vertex of their own at the same position.
+    for corner in (0..mesh.indices.len()).step_by(7) {
+        let old = mesh.indices[corner] as usize;
+        if draws.below(3) == 0 && old >= first as usize {
+            mesh.positions.push(mesh.positions[old]);
+            mesh.normals.push(mesh.normals[old]);
+            let moved = mesh.texture_coordinates[old] + Vec2::splat(0.5);
+            mesh.texture_coordinates.push(moved);
+            mesh.indices[corner] = index_u32(mesh.positions.len() - 1);
+        }
+    }
+}
+
+/// A fresh device with an instance of a trunk at a level.
+pub(crate) fn trunk_stage(
+    kind: TrunkKind,
+    options: ModelOptions,
+    trunk: &Arc<Trunk>,
+    level: TrunkLevel,
+    side: u32,
+) -> Stage<TrunkLevel> {
+    let model = kind.model(trunk, options);
+    let stage = Stage::of_trunk(descriptor(), model.as_ref(), level, side);
+    stage.expect("memory suffices")
+}
+
+/// A picture of a trunk at a level as a plain list of its triangles.
+pub(crate) fn trunk_picture(trunk: &Trunk, level: TrunkLevel, side: u32) -> Image {
+    let mesh = trunk.collapses().mesh_after(trunk.mesh(), level.collapses);
+    let plant = Plant::new("list", None, Some(mesh), Foliage::default()).expect("sound parts");
+    let list = Arc::new(Trunk::of(&Arc::new(plant), None).expect("it has a trunk"));
+    let mut stage = trunk_stage(TrunkKind::FULL, OPTIONS, &list, TrunkLevel::FINEST, side);
+    stage.picture().expect("our device draws")
 }
 
 /// A random state; `choice` decides kind and detail.

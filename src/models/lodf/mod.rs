@@ -19,7 +19,7 @@ mod stamps;
 pub(super) use blocks::{Blocks, Order};
 pub use groups::Extraction;
 pub(super) use host::Host;
-pub(super) use slots::Slots;
+pub(super) use slots::{Slots, send};
 pub(super) use stamps::Stamps;
 
 use super::Crown;

@@ -304,7 +304,7 @@ impl Resident for SlotsResident {
 }
 
 /// Sends several regions, each by itself or all in one.
-pub(super) fn send(
+pub(in super::super) fn send(
     queue: &mut Queue<'_>,
     gather: Gather,
     regions: &[Region<'_>],

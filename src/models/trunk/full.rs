@@ -3,29 +3,33 @@
 use std::sync::Arc;
 
 use super::surface::{Surface, TRUNK, upload_vertices, vertex_bytes};
-use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel};
-use crate::gpu::{BufferId, Corners, Device, Draw, GpuError, Queue, Residency, Step, Usage};
+use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
+use crate::gpu::{BufferDescriptor, BufferId, Corners, Device, Draw, GpuError, Queue, Step, Usage};
 use crate::math::index_u32;
-use crate::models::surface::filled;
 use crate::models::{Change, Environment, Resident, Shared, Storage};
+use crate::plant::Mesh;
 
 /// The model without levels.
 ///
-/// Host memory: none. Device memory: 32 bytes a vertex and 12 bytes a triangle, once.
+/// 32 bytes a vertex and 12 bytes a triangle, once: in device memory, or for `Host` in host memory.
 #[derive(Debug, Clone)]
 pub(super) struct Full {
     trunk: Arc<Trunk>,
+    mode: TrunkMode,
 }
 
 impl Full {
-    pub(super) fn new(trunk: Arc<Trunk>) -> Self {
-        Self { trunk }
+    pub(super) fn new(trunk: Arc<Trunk>, mode: TrunkMode) -> Self {
+        Self { trunk, mode }
     }
 }
 
 impl TrunkModel for Full {
     fn kind(&self) -> TrunkKind {
-        TrunkKind::Full
+        TrunkKind {
+            name: TrunkName::Full,
+            mode: self.mode,
+        }
     }
 
     fn trunk(&self) -> &Arc<Trunk> {
@@ -38,31 +42,59 @@ impl TrunkModel for Full {
         environment: &Environment,
     ) -> Result<Box<dyn Shared<TrunkLevel>>, GpuError> {
         let mesh = self.trunk.mesh();
-        let bytes = vertex_bytes(mesh, 0..mesh.positions.len());
-        let vertices = upload_vertices(device, &bytes, Residency::Device)?;
-        let indices = mesh.indices.iter().flat_map(|index| index.to_le_bytes());
-        let bytes: Vec<u8> = indices.collect();
+        let residency = self.mode.residency();
+        let vertices = upload_vertices(device, &mesh_vertices(mesh), residency)?;
+        let bytes = mesh_indices(mesh);
+        let indices = device.create_buffer(&BufferDescriptor {
+            label: "trunk indices",
+            size: bytes.len() as u64,
+            usage: Usage::INDEX,
+            residency,
+        })?;
+        device.queue().write(indices, 0, &bytes, TRUNK)?;
         Ok(Box::new(FullShared {
             vertices,
-            indices: filled(device, "trunk indices", Usage::INDEX, &bytes, TRUNK)?,
+            indices,
             surface: Surface::upload(device, environment, mesh)?,
             corner_count: index_u32(mesh.indices.len()),
         }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
-        Vec::new()
+        match self.mode {
+            TrunkMode::Host => {
+                let mesh = self.trunk.mesh();
+                [mesh_vertices(mesh), mesh_indices(mesh)].concat()
+            }
+            TrunkMode::Device => Vec::new(),
+        }
     }
 
     fn storage(&self) -> Storage {
         let mesh = self.trunk.mesh();
+        let bytes = 32 * mesh.positions.len() as u64 + 4 * mesh.indices.len() as u64;
+        let (host_bytes, shared_bytes) = match self.mode {
+            TrunkMode::Host => (bytes, 0),
+            TrunkMode::Device => (0, bytes),
+        };
         Storage {
-            host_bytes: 0,
-            shared_bytes: 32 * mesh.positions.len() as u64 + 4 * mesh.indices.len() as u64,
+            host_bytes,
+            shared_bytes,
             instance_bytes: 0,
             instance_host_bytes: 0,
         }
     }
+}
+
+/// The vertices in the mesh's own order.
+fn mesh_vertices(mesh: &Mesh) -> Vec<u8> {
+    let order: Vec<u32> = (0..index_u32(mesh.positions.len())).collect();
+    vertex_bytes(mesh, &order)
+}
+
+fn mesh_indices(mesh: &Mesh) -> Vec<u8> {
+    let indices = mesh.indices.iter();
+    indices.flat_map(|index| index.to_le_bytes()).collect()
 }
 
 #[derive(Debug)]

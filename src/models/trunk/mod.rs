@@ -1,18 +1,35 @@
 //! Trunks: triangle meshes, and what of them lies on the device.
 //!
 //! ```text
-//! Trunk ─TrunkKind::model─▶ TrunkModel ──upload──▶ Shared ──instance(level)──▶ Resident
-//!  (mesh)                   commit(level), draw ─▶ steps
+//!  offline                            once a species      once an instance         every frame
+//! Trunk ─TrunkKind::model─▶ TrunkModel ──upload──▶ Shared ──instance(level)──▶ Resident ─┬─ commit(level)
+//!  (mesh, collapses)                                                                    └─ draw ─▶ steps
 //! ```
 //!
-//! The same traits as for foliage, with a [`TrunkLevel`] for a state.
+//! The same traits as for foliage, with a [`TrunkLevel`] for a state. Every name has two modes: on the
+//! device, or in host memory, from where every draw pulls indices and vertices of 32 bytes.
 //!
-//! **Invariant.** At equal levels all kinds show the same triangles.
+//! | name | on the device | what one change sends |
+//! |---|---|---|
+//! | full | vertices and triangles, once a species | nothing: always full detail |
+//! | lodstrips | vertices once, strips of fixed length | 4 B a place that differs |
+//! | lodstrips-cut | vertices once, blocks of short strips | of each changed block the places from the first to the last that differ, and their number (4 B) |
+//! | mom | vertices once, a list of triangles | 12 B a slot that differs, and their number (4 B) |
+//!
+//! **Invariant.** At equal levels all kinds but full show the same triangles of the same vertices, the
+//! lowest corner first: their pictures are equal bit for bit. The full one keeps the mesh's own order
+//! of vertices, which decides ties of depth and the last bits of what is interpolated.
 
+mod cut;
+#[cfg(test)]
+mod examples;
 mod full;
 mod level;
+mod mode;
+mod mom;
 mod program;
 mod shape;
+mod strips;
 mod surface;
 
 use std::sync::Arc;
@@ -21,8 +38,9 @@ pub use level::TrunkLevel;
 pub(super) use program::MeshProgram;
 pub use shape::Trunk;
 
-use super::{Environment, Shared, Storage};
+use super::{Environment, Gather, ModelOptions, Shared, Storage};
 use crate::gpu::{Device, GpuError};
+use crate::scene::{TrunkMode, TrunkName};
 
 /// First part of the key of everything that shows a trunk.
 pub const TRUNK_GROUP: u32 = 0;
@@ -54,23 +72,74 @@ pub trait TrunkModel: Send + Sync + std::fmt::Debug {
     fn storage(&self) -> Storage;
 }
 
-/// All models of trunks and their modes.
+/// A model of trunks and its mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum TrunkKind {
-    /// No level of detail: all triangles, always.
-    Full,
+pub struct TrunkKind {
+    /// Which model.
+    pub name: TrunkName,
+    /// Where what it draws lies.
+    pub mode: TrunkMode,
 }
 
 impl TrunkKind {
-    /// Every kind.
-    pub const ALL: [Self; 1] = [Self::Full];
+    /// Without levels, on the device: what trunks are unless something else is asked for.
+    pub const FULL: Self = Self {
+        name: TrunkName::Full,
+        mode: TrunkMode::Device,
+    };
 
-    /// The model of this kind for a trunk.
+    /// Every kind.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let modes = |&name| TrunkMode::ALL.iter().map(move |&mode| Self { name, mode });
+        TrunkName::ALL.iter().flat_map(modes)
+    }
+
+    /// Name and mode in one word, such as `lodstrips-device`; `full` alone is on the device.
     #[must_use]
-    pub fn model(self, trunk: &Arc<Trunk>) -> Box<dyn TrunkModel> {
-        let trunk = Arc::clone(trunk);
-        match self {
-            Self::Full => Box::new(full::Full::new(trunk)),
+    pub fn label(self) -> String {
+        if self == Self::FULL {
+            self.name.name().to_owned()
+        } else {
+            format!("{}-{}", self.name.name(), self.mode.name())
+        }
+    }
+
+    /// The kind with this label.
+    #[must_use]
+    pub fn labelled(label: &str) -> Option<Self> {
+        Self::all().find(|kind| kind.label() == label)
+    }
+
+    /// Whether it can show anything but full detail.
+    #[must_use]
+    pub fn has_levels(self) -> bool {
+        self.name != TrunkName::Full
+    }
+
+    /// The model of this kind for a trunk; of the options it takes how what differs is sent.
+    #[must_use]
+    pub fn model(self, trunk: &Arc<Trunk>, options: ModelOptions) -> Box<dyn TrunkModel> {
+        let (trunk, mode) = (Arc::clone(trunk), self.mode);
+        // Writing to host memory moves nothing that could be gathered.
+        let gather = match mode {
+            TrunkMode::Host => Gather::Single,
+            TrunkMode::Device => options.gather,
+        };
+        match self.name {
+            TrunkName::Full => Box::new(full::Full::new(trunk, mode)),
+            TrunkName::LodStrips => Box::new(strips::LodStrips::new(trunk, mode, gather)),
+            TrunkName::LodStripsCut => Box::new(cut::Cut::new(trunk, mode, gather)),
+            TrunkName::Mom => Box::new(mom::Mom::new(trunk, mode, gather)),
+        }
+    }
+
+    /// The triangles that it draws at a level.
+    #[must_use]
+    pub fn triangle_count(self, trunk: &Trunk, level: TrunkLevel) -> u32 {
+        if self.has_levels() {
+            trunk.triangle_count(level)
+        } else {
+            trunk.mesh().triangle_count()
         }
     }
 }

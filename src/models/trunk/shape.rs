@@ -1,23 +1,36 @@
 //! What every model of a trunk is built from.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use crate::math::{index_u32, index_usize};
+use crate::models::TrunkLevel;
 use crate::plant::{Mesh, Plant};
+use crate::simplify::{VertexCollapseOptions, VertexCollapses, collapse_vertices, lowest_first};
 
-/// The trunk of a plant; shared by all models of it.
-#[derive(Debug, Clone)]
+/// The trunk of a plant, with its collapses once somebody wants them; shared by all models of it.
+#[derive(Debug)]
 pub struct Trunk {
     /// Has a trunk.
     plant: Arc<Plant>,
+    options: VertexCollapseOptions,
+    collapses: OnceLock<VertexCollapses>,
+    /// The triangles at each level.
+    counts: OnceLock<Vec<u32>>,
 }
 
 impl Trunk {
-    /// The trunk of a plant, if it has one.
+    /// The trunk of a plant, if it has one, that is simplified as
+    /// [usual](VertexCollapseOptions::usual), or to at most so many triangles.
     #[must_use]
-    pub fn of(plant: &Arc<Plant>) -> Option<Self> {
-        plant.trunk()?;
+    pub fn of(plant: &Arc<Plant>, stop_triangles: Option<u32>) -> Option<Self> {
+        let usual = VertexCollapseOptions::usual(plant.trunk()?);
         Some(Self {
             plant: Arc::clone(plant),
+            options: VertexCollapseOptions {
+                stop_triangles: stop_triangles.unwrap_or(usual.stop_triangles),
+            },
+            collapses: OnceLock::new(),
+            counts: OnceLock::new(),
         })
     }
 
@@ -26,5 +39,50 @@ impl Trunk {
     #[expect(clippy::missing_panics_doc, reason = "no input reaches it")]
     pub fn mesh(&self) -> &Mesh {
         self.plant.trunk().expect("only a plant with one is kept")
+    }
+
+    /// Its collapses; the first call makes them.
+    #[must_use]
+    pub fn collapses(&self) -> &VertexCollapses {
+        self.collapses
+            .get_or_init(|| collapse_vertices(self.mesh(), self.options))
+    }
+
+    /// How many triangles there are at a level.
+    ///
+    /// # Panics
+    ///
+    /// When there are not so many collapses.
+    #[must_use]
+    pub fn triangle_count(&self, level: TrunkLevel) -> u32 {
+        let counts = || self.collapses().triangle_counts();
+        self.counts.get_or_init(counts)[level.collapses as usize]
+    }
+
+    /// A triangle with these corners at a level, as the triangle of the mesh that has become it and the
+    /// corners' numbers in the mesh; `None` if there is none.
+    ///
+    /// # Panics
+    ///
+    /// When there are not so many collapses.
+    #[must_use]
+    pub fn in_mesh(&self, level: TrunkLevel, corners: [u32; 3]) -> Option<(u32, [u32; 3])> {
+        let collapses = self.collapses();
+        let mut triangles = collapses.triangles_after(level.collapses);
+        let (triangle, _) = triangles.find(|(_, found)| *found == lowest_first(corners))?;
+        let number = |vertex: u32| collapses.order()[vertex as usize];
+        Some((triangle, corners.map(number)))
+    }
+
+    /// The level at a point of the axis of detail that foliage has too: at `done` of `all` collapses of
+    /// its leaves, the same share of the trunk's is done, rounded down. Without collapses of leaves it
+    /// is full detail.
+    #[must_use]
+    pub fn level(&self, done: u32, all: u32) -> TrunkLevel {
+        let ours = u64::from(self.collapses().collapse_count());
+        let collapses = ours * u64::from(done.min(all)) / u64::from(all.max(1));
+        TrunkLevel {
+            collapses: index_u32(index_usize(collapses)),
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! A trunk's vertices and material: the same for every model of trunks.
 
+use super::Trunk;
 use super::program::SURFACE_SLOT;
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Device, GpuError, Residency, Step, TextureId, Usage,
@@ -7,6 +8,7 @@ use crate::gpu::{
 use crate::models::Environment;
 use crate::models::surface::{filled, upload_texture};
 use crate::plant::Mesh;
+use crate::scene::TrunkMode;
 
 /// Why what a trunk begins with is sent.
 pub(super) const TRUNK: Cause = Cause::of("trunk");
@@ -14,8 +16,12 @@ pub(super) const TRUNK: Cause = Cause::of("trunk");
 /// The vertices of a mesh, in the order of `order`, as they lie on the device.
 ///
 /// Position, normal (3 × `f32` each), texture coordinate (2 × `f32`): 32 bytes a vertex.
-pub(super) fn vertex_bytes(mesh: &Mesh, order: impl Iterator<Item = usize>) -> Vec<u8> {
-    let floats = order.flat_map(|vertex| {
+pub(super) fn vertex_bytes<'a>(
+    mesh: &'a Mesh,
+    order: impl IntoIterator<Item = &'a u32>,
+) -> Vec<u8> {
+    let floats = order.into_iter().flat_map(|&vertex| {
+        let vertex = vertex as usize;
         let (position, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
         let [x, y, z] = position.to_array();
         let [nx, ny, nz] = normal.to_array();
@@ -39,6 +45,30 @@ pub(super) fn upload_vertices(
     })?;
     device.queue().write(vertices, 0, bytes, TRUNK)?;
     Ok(vertices)
+}
+
+/// What instances of a model of a trunk share on a device.
+#[derive(Debug)]
+pub(super) struct TrunkShared<M> {
+    pub(super) model: M,
+    pub(super) vertices: BufferId,
+    pub(super) surface: Surface,
+}
+
+/// Sends a trunk's vertices, in the order of their collapses, and its material.
+pub(super) fn upload_trunk<M>(
+    device: &mut Device,
+    environment: &Environment,
+    model: M,
+    trunk: &Trunk,
+    mode: TrunkMode,
+) -> Result<TrunkShared<M>, GpuError> {
+    let bytes = vertex_bytes(trunk.mesh(), trunk.collapses().order());
+    Ok(TrunkShared {
+        model,
+        vertices: upload_vertices(device, &bytes, mode.residency())?,
+        surface: Surface::upload(device, environment, trunk.mesh())?,
+    })
 }
 
 /// What a trunk looks like, on the device.

@@ -60,10 +60,12 @@ pub fn frame_layers(
         let Some(&(number, ..)) = pixels.first() else {
             continue;
         };
-        let tree = world
-            .trees
-            .get(number as usize)
-            .zip(frame.states.get(number as usize));
+        let tree = world.trees.get(number as usize).zip(
+            frame
+                .states
+                .get(number as usize)
+                .map(|state| &state.foliage),
+        );
         let Some((tree, state)) = tree else { continue };
         let crown = &world.crowns[tree.crown];
         let corners = crown.sequence().corners();

@@ -206,7 +206,7 @@ impl LedgerEntry {
     pub fn of(frame: &Frame) -> Self {
         let mut levels = BTreeMap::new();
         for state in &frame.states {
-            *levels.entry(level_name(state)).or_default() += 1;
+            *levels.entry(level_name(&state.foliage)).or_default() += 1;
         }
         Self {
             frame: Some(frame.frame),

@@ -9,14 +9,15 @@
 //! A line names the trees whose state is another than on the line before; the first names all. After
 //! `uniform` stands the number of collapses done of the whole sequence. After `variable` stand pairs
 //! of a cluster and the number of collapses done in it, for the clusters that changed; where the tree
-//! was not variable on the line before, for those with any.
+//! was not variable on the line before, for those with any. After `trunk` stands the number of
+//! collapses done of the trunk's sequence; without it, of a tree that is named, none is done.
 
 use serde::{Deserialize, Serialize};
 
 use super::ledger::json;
 use crate::limits;
 use crate::math::index_u32;
-use crate::models::State;
+use crate::models::{State, TreeState, TrunkLevel};
 use crate::report::ReportError;
 use crate::run::World;
 
@@ -35,17 +36,19 @@ struct TreeLine {
     uniform: Option<u32>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     variable: Option<Vec<(u32, u32)>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    trunk: Option<u32>,
 }
 
 /// Turns states into lines.
 #[derive(Debug, Default)]
 pub(super) struct OpsWriter {
-    previous: Vec<State>,
+    previous: Vec<TreeState>,
 }
 
 impl OpsWriter {
     /// The line of a frame, with its end.
-    pub(super) fn line(&mut self, frame: u32, states: &[State]) -> String {
+    pub(super) fn line(&mut self, frame: u32, states: &[TreeState]) -> String {
         let trees = (0..).zip(states).filter_map(|(tree, state)| {
             let before = self.previous.get(tree as usize);
             (before != Some(state)).then(|| tree_line(tree, before, state))
@@ -57,15 +60,18 @@ impl OpsWriter {
     }
 }
 
-fn tree_line(tree: u32, before: Option<&State>, state: &State) -> TreeLine {
-    match state {
+fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLine {
+    let TreeState { foliage, trunk } = state;
+    let trunk = Some(trunk.collapses).filter(|&collapses| collapses > 0);
+    match foliage {
         State::Uniform { collapses } => TreeLine {
             tree,
             uniform: Some(*collapses),
             variable: None,
+            trunk,
         },
         State::Variable { counts } => {
-            let known = |cluster: usize| match before {
+            let known = |cluster: usize| match before.map(|before| &before.foliage) {
                 Some(State::Variable { counts }) => counts.get(cluster).copied().unwrap_or(0),
                 _ => 0,
             };
@@ -75,6 +81,7 @@ fn tree_line(tree: u32, before: Option<&State>, state: &State) -> TreeLine {
                 tree,
                 uniform: None,
                 variable: Some(changed.map(|(c, count)| (index_u32(c), *count)).collect()),
+                trunk,
             }
         }
     }
@@ -85,7 +92,7 @@ fn tree_line(tree: u32, before: Option<&State>, state: &State) -> TreeLine {
 pub struct OpsReader<'w> {
     world: &'w World,
     lines: usize,
-    states: Vec<State>,
+    states: Vec<TreeState>,
 }
 
 impl<'w> OpsReader<'w> {
@@ -105,7 +112,7 @@ impl<'w> OpsReader<'w> {
     ///
     /// When it is no such line, names a tree, cluster or number of collapses that the world does not
     /// have, or is the first and leaves a tree out.
-    pub fn read(&mut self, line: &str) -> Result<(u32, &[State]), ReportError> {
+    pub fn read(&mut self, line: &str) -> Result<(u32, &[TreeState]), ReportError> {
         self.lines += 1;
         let number = self.lines;
         let fail = |message| ReportError::Ops {
@@ -133,7 +140,7 @@ impl<'w> OpsReader<'w> {
     }
 
     /// The state that a tree changes to, or what is wrong.
-    fn changed(&self, change: &TreeLine) -> Result<State, String> {
+    fn changed(&self, change: &TreeLine) -> Result<TreeState, String> {
         let number = change.tree as usize;
         let known = self.states.get(number);
         let next = self.states.len();
@@ -147,14 +154,21 @@ impl<'w> OpsReader<'w> {
             let message = || format!("tree {number}{place}: {count} collapses, at most {most}");
             (count <= most).then_some(()).ok_or_else(message)
         };
-        match (change.uniform, &change.variable) {
+        let collapses = change.trunk.unwrap_or(0);
+        if collapses > 0 {
+            let trunk = self.world.trunks[tree.crown].as_ref();
+            let most = trunk.map_or(0, |trunk| trunk.collapses().collapse_count());
+            check(", trunk", collapses, most)?;
+        }
+        let trunk = TrunkLevel { collapses };
+        let foliage = match (change.uniform, &change.variable) {
             (Some(collapses), None) => {
                 check("", collapses, crown.sequence().collapse_count())?;
-                Ok(State::Uniform { collapses })
+                State::Uniform { collapses }
             }
             (None, Some(changed)) => {
                 let clusters = &crown.clusters().clusters;
-                let mut counts = match known {
+                let mut counts = match known.map(|known| &known.foliage) {
                     Some(State::Variable { counts }) => counts.clone(),
                     _ => vec![0; clusters.len()],
                 };
@@ -169,11 +183,13 @@ impl<'w> OpsReader<'w> {
                     check(&place, count, held.original_count() - 1)?;
                     *known = count;
                 }
-                Ok(State::Variable { counts })
+                State::Variable { counts }
             }
-            _ => Err(format!(
-                "tree {number}: wanted either `uniform` or `variable`"
-            )),
-        }
+            _ => {
+                let message = format!("tree {number}: wanted either `uniform` or `variable`");
+                return Err(message);
+            }
+        };
+        Ok(TreeState { foliage, trunk })
     }
 }

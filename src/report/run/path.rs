@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::rows::FrameRow;
 use crate::math::Vec3;
-use crate::models::State;
+use crate::models::TreeState;
 use crate::report::{decimal, grouped};
 use crate::run::Frame;
 
@@ -60,9 +60,9 @@ pub(super) struct PathSum {
 /// The states of one instance, as far back as matters.
 #[derive(Debug)]
 struct Trail {
-    now: State,
+    now: TreeState,
     /// The state before, and the last frame that showed it.
-    before: Option<(State, u32)>,
+    before: Option<(TreeState, u32)>,
     /// The last frame that was added.
     frame: u32,
 }
@@ -105,7 +105,7 @@ impl PathSum {
 }
 
 impl Trail {
-    fn add(&mut self, state: &State, frame: u32, entry: &mut PathEntry) {
+    fn add(&mut self, state: &TreeState, frame: u32, entry: &mut PathEntry) {
         if *state != self.now {
             entry.switches += 1;
             let back = self.before.as_ref().is_some_and(|(before, left)| {
@@ -123,13 +123,14 @@ impl Trail {
 mod tests {
     use super::*;
     use crate::gpu::Traffic;
+    use crate::models::State;
 
     fn frame(number: u32, x: f32, levels: [u32; 2]) -> Frame {
         Frame {
             frame: number,
             eye: Vec3::new(x, 2.0, 0.0),
             states: levels
-                .map(|collapses| State::Uniform { collapses })
+                .map(|collapses| State::Uniform { collapses }.into())
                 .to_vec(),
             ..Frame::blank()
         }

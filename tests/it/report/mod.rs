@@ -27,12 +27,10 @@ fn world() -> World {
             scale,
         },
     };
-    World {
-        crowns: vec![random_crown(5, 40, 6)],
-        trees: vec![stand(-1.0, 1.0), stand(1.5, 1.4)],
-        ground: None,
-        remarks: Vec::new(),
-    }
+    World::of(
+        vec![random_crown(5, 40, 6)],
+        vec![stand(-1.0, 1.0), stand(1.5, 1.4)],
+    )
 }
 
 fn scene(mode: &str, detail: &str) -> Scene {

@@ -324,7 +324,7 @@ fn layers_name_the_leaves_that_show() {
         let visible: Vec<Vec<u32>> = frame
             .states
             .iter()
-            .map(|state| state.visible(crown.clusters()))
+            .map(|state| state.foliage.visible(crown.clusters()))
             .collect();
         let mut shown = 0;
         for pixel in 0..leaves.len() {
@@ -351,5 +351,5 @@ fn literal_states_are_those_that_were_asked_for() {
     let root = tempfile::tempdir().unwrap();
     let target = root.path().join("run");
     let frames = run_into(&target, &scene("literal", "uniform"));
-    assert!(matches!(frames[4].states[0], State::Uniform { collapses } if collapses > 0));
+    assert!(matches!(frames[4].states[0].foliage, State::Uniform { collapses } if collapses > 0));
 }

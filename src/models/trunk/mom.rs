@@ -1,0 +1,445 @@
+//! MOM, multiresolution ordered meshes, the papers' rival ([RLBRC01](crate::references)).
+//!
+//! Known of it: lists that can be arrays, a mesh stored in the order of its simplification, a level
+//! extracted in time linear in its triangles; trees in [RRCGR](crate::references) have it for trunks
+//! beside VDF for foliage, "not hardware-oriented". The rest is reconstruction: every triangle that
+//! there is at any level is stored once, with the levels at which it is there, ordered by the first.
+//!
+//! `Host` extracts as written: it reads the triangles in their order up to those of later levels, and
+//! every draw pulls what it found. `Device` is as well as it can be done: the list of triangles lies
+//! on the device, and a change writes the slots that differ. A triangle that changes keeps its slot;
+//! into the slot of one that goes comes the last one. So slots are a pure function of the level.
+
+use std::sync::Arc;
+
+use super::surface::{TRUNK, TrunkShared, upload_trunk};
+use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
+use crate::gpu::{
+    BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
+    Queue, Region, Step, Usage,
+};
+use crate::math::index_u32;
+use crate::models::lodf::send;
+use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
+use crate::simplify::{VertexCollapses, lowest_first};
+
+/// Why triangles, and their number, are sent.
+const CAUSES: [Cause; 2] = [Cause::of("triangle"), Cause::of("triangle-count")];
+
+/// MOM.
+///
+/// Host memory: 32 bytes a vertex (for `Host`); then 20 bytes a triangle of any level: three vertices,
+/// the first level at which it is there, and the first at which it is gone. For `Device` then every
+/// slot that a collapse changes, with the triangle before and after (12 bytes), and where the slots
+/// of each collapse begin (4 bytes, and the end). Device memory for `Device`: 32 bytes a vertex once;
+/// 12 bytes a triangle of full detail and 16 bytes of draw arguments for each instance.
+#[derive(Debug, Clone)]
+pub(super) struct Mom {
+    trunk: Arc<Trunk>,
+    mode: TrunkMode,
+    gather: Gather,
+    plan: Arc<MomPlan>,
+}
+
+/// A triangle with the levels at which it is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Record {
+    vertices: [u32; 3],
+    birth: u32,
+    death: u32,
+}
+
+#[derive(Debug, Clone)]
+struct MomPlan {
+    /// By birth.
+    records: Vec<Record>,
+    /// `[slot, record before, record after]`, collapse by collapse.
+    slots: Vec<[u32; 3]>,
+    starts: Vec<u32>,
+    /// How many triangles there are at each level.
+    counts: Vec<u32>,
+}
+
+impl MomPlan {
+    fn of(collapses: &VertexCollapses) -> Self {
+        let levels = collapses.collapse_count();
+        let mut records: Vec<Record> = Vec::new();
+        // The record, slot and vertices of every triangle of the mesh.
+        let mut now = vec![(0, 0, [0; 3]); collapses.triangles().len()];
+        let mut in_slot = Vec::new();
+        let mut around = vec![Vec::new(); collapses.vertex_count() as usize];
+        for (triangle, vertices) in collapses.triangles_after(0) {
+            let number = index_u32(records.len());
+            now[triangle as usize] = (number, number, vertices);
+            in_slot.push(triangle);
+            for vertex in vertices {
+                around[vertex as usize].push(triangle);
+            }
+            records.push(Record {
+                vertices,
+                birth: 0,
+                death: u32::MAX,
+            });
+        }
+        let mut slots = Vec::new();
+        let mut starts = vec![0];
+        for level in 1..=levels {
+            let vertices = collapses.first_vertex(level - 1)..collapses.first_vertex(level);
+            let mut going = Vec::new();
+            for vertex in vertices {
+                let target = collapses.target(vertex);
+                let target = target.expect("a vertex that goes has a target");
+                for triangle in std::mem::take(&mut around[vertex as usize]) {
+                    let (record, slot, corners) = now[triangle as usize];
+                    if !collapses.shows(triangle, level - 1) {
+                        continue;
+                    }
+                    if !collapses.shows(triangle, level) {
+                        going.push(triangle);
+                        continue;
+                    }
+                    let moved =
+                        corners.map(|corner| if corner == vertex { target } else { corner });
+                    around[target as usize].push(triangle);
+                    let number = index_u32(records.len());
+                    records[record as usize].death = level;
+                    records.push(Record {
+                        vertices: lowest_first(moved),
+                        birth: level,
+                        death: u32::MAX,
+                    });
+                    slots.push([slot, record, number]);
+                    now[triangle as usize] = (number, slot, moved);
+                }
+            }
+            going.sort_unstable();
+            going.dedup();
+            for triangle in going {
+                let (record, slot, _) = now[triangle as usize];
+                records[record as usize].death = level;
+                let last = in_slot.pop().expect("a triangle that goes has a slot");
+                if last != triangle {
+                    in_slot[slot as usize] = last;
+                    slots.push([slot, record, now[last as usize].0]);
+                    now[last as usize].1 = slot;
+                }
+            }
+            starts.push(index_u32(slots.len()));
+        }
+        Self {
+            records,
+            slots,
+            starts,
+            counts: collapses.triangle_counts(),
+        }
+    }
+
+    fn slots_of(&self, collapse: u32) -> &[[u32; 3]] {
+        let ends = &self.starts[collapse as usize..collapse as usize + 2];
+        &self.slots[ends[0] as usize..ends[1] as usize]
+    }
+
+    /// The record in every slot, dead ones too.
+    fn slots_at(&self, level: TrunkLevel) -> Vec<u32> {
+        let mut content: Vec<u32> = (0..self.counts[0]).collect();
+        for collapse in 0..level.collapses {
+            for &[slot, _, after] in self.slots_of(collapse) {
+                content[slot as usize] = after;
+            }
+        }
+        content
+    }
+
+    /// The records of a level in their order, and how many were read to find them.
+    fn scan(&self, level: TrunkLevel) -> (Vec<u32>, u64) {
+        let born = self
+            .records
+            .partition_point(|record| record.birth <= level.collapses);
+        let there = (0..).zip(&self.records[..born]);
+        let there = there.filter(|(_, record)| level.collapses < record.death);
+        (
+            there.map(|(number, _): (u32, _)| number).collect(),
+            born as u64,
+        )
+    }
+
+    fn bytes(&self, record: u32) -> impl Iterator<Item = u8> {
+        let vertices = self.records[record as usize].vertices;
+        vertices.into_iter().flat_map(u32::to_le_bytes)
+    }
+}
+
+impl Mom {
+    pub(super) fn new(trunk: Arc<Trunk>, mode: TrunkMode, gather: Gather) -> Self {
+        Self {
+            plan: Arc::new(MomPlan::of(trunk.collapses())),
+            trunk,
+            mode,
+            gather,
+        }
+    }
+}
+
+impl TrunkModel for Mom {
+    fn kind(&self) -> TrunkKind {
+        TrunkKind {
+            name: TrunkName::Mom,
+            mode: self.mode,
+        }
+    }
+
+    fn trunk(&self) -> &Arc<Trunk> {
+        &self.trunk
+    }
+
+    fn upload(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+    ) -> Result<Box<dyn Shared<TrunkLevel>>, GpuError> {
+        let model = self.clone();
+        let shared = upload_trunk(device, environment, model, &self.trunk, self.mode)?;
+        Ok(Box::new(shared))
+    }
+
+    fn host_bytes(&self) -> Vec<u8> {
+        let mut bytes = self.mode.host_vertex_bytes(&self.trunk);
+        for record in &self.plan.records {
+            let [a, b, c] = record.vertices;
+            let words = [a, b, c, record.birth, record.death];
+            bytes.extend(words.into_iter().flat_map(u32::to_le_bytes));
+        }
+        if self.mode == TrunkMode::Device {
+            let words = self.plan.slots.iter().flatten().chain(&self.plan.starts);
+            bytes.extend(words.flat_map(|word| word.to_le_bytes()));
+        }
+        bytes
+    }
+
+    fn storage(&self) -> Storage {
+        let plan = &self.plan;
+        let triangles = 20 * plan.records.len() as u64;
+        let host = match self.mode {
+            TrunkMode::Host => triangles,
+            TrunkMode::Device => {
+                triangles + 12 * plan.slots.len() as u64 + 4 * plan.starts.len() as u64
+            }
+        };
+        let instance = 12 * u64::from(plan.counts[0]) + IndirectRecord::STRIDE;
+        let kept = 4 + 4 * u64::from(plan.counts[0]);
+        self.mode.storage(&self.trunk, host, instance, kept)
+    }
+}
+
+impl Shared<TrunkLevel> for TrunkShared<Mom> {
+    fn instance(
+        &self,
+        device: &mut Device,
+        level: &TrunkLevel,
+        number: u32,
+    ) -> Result<Box<dyn Resident<TrunkLevel>>, GpuError> {
+        let model = self.model.clone();
+        let plan = &model.plan;
+        let content = match model.mode {
+            TrunkMode::Host => plan.scan(*level).0,
+            TrunkMode::Device => plan.slots_at(*level),
+        };
+        let arguments = IndirectRecord {
+            corner_count: 3 * plan.counts[level.collapses as usize],
+            instances: 1,
+            first_corner: 0,
+            instance: number,
+        };
+        let bytes: Vec<u8> = content
+            .iter()
+            .flat_map(|&record| plan.bytes(record))
+            .collect();
+        let mut make = |label, size: u32, usage, bytes: &[u8]| {
+            let buffer = device.create_buffer(&BufferDescriptor {
+                label,
+                size: u64::from(size),
+                usage,
+                residency: model.mode.residency(),
+            })?;
+            device.queue().write(buffer, 0, bytes, TRUNK)?;
+            Ok(buffer)
+        };
+        let triangles = make("trunk triangles", 12 * plan.counts[0], Usage::INDEX, &bytes)?;
+        let record = arguments.to_bytes();
+        let arguments = make("trunk draw arguments", 16, Usage::INDIRECT, &record)?;
+        let mut steps = self.surface.bind(self.vertices, triangles);
+        steps.push(Step::DrawIndirect(DrawIndirect {
+            source: Corners::Indexed,
+            arguments,
+            offset: 0,
+            count: 1,
+            group: TRUNK_GROUP,
+        }));
+        Ok(Box::new(MomResident {
+            model,
+            triangles,
+            arguments,
+            steps,
+            level: *level,
+            content,
+        }))
+    }
+}
+
+#[derive(Debug, Clone)]
+struct MomResident {
+    model: Mom,
+    triangles: BufferId,
+    arguments: BufferId,
+    steps: Vec<Step>,
+    level: TrunkLevel,
+    /// The records in the buffer.
+    content: Vec<u32>,
+}
+
+/// A buffer, where in it, the bytes, and why.
+type Write = (BufferId, u64, Vec<u8>, Cause);
+
+impl MomResident {
+    /// Goes over to a level on the host; returns what that takes, and what the buffers lack then.
+    fn step(&mut self, to: TrunkLevel) -> (Change, Vec<Write>) {
+        let plan = Arc::clone(&self.model.plan);
+        let mut change = self.level.change_to(to);
+        let from = std::mem::replace(&mut self.level, to);
+        if from == to {
+            return (change, Vec::new());
+        }
+        let count = (3 * plan.counts[to.collapses as usize]).to_le_bytes();
+        let mut writes: Vec<Write> = Vec::new();
+        match self.model.mode {
+            TrunkMode::Host => {
+                let (content, read) = plan.scan(to);
+                change.host_records = read + content.len() as u64;
+                let bytes = content
+                    .iter()
+                    .flat_map(|&record| plan.bytes(record))
+                    .collect();
+                writes.push((self.triangles, 0, bytes, CAUSES[0]));
+                self.content = content;
+            }
+            TrunkMode::Device => {
+                let (slots, read) = self.move_slots(&plan, from, to);
+                change.host_records = read + slots.len() as u64;
+                for slot in slots {
+                    let bytes = plan.bytes(self.content[slot as usize]).collect();
+                    writes.push((self.triangles, 12 * u64::from(slot), bytes, CAUSES[0]));
+                }
+            }
+        }
+        if plan.counts[from.collapses as usize] != plan.counts[to.collapses as usize] {
+            writes.push((self.arguments, 0, count.to_vec(), CAUSES[1]));
+        }
+        (change, writes)
+    }
+}
+
+impl Resident<TrunkLevel> for MomResident {
+    fn state(&self) -> &TrunkLevel {
+        &self.level
+    }
+
+    fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
+        let (change, writes) = self.step(*to);
+        let regions: Vec<Region<'_>> = writes
+            .iter()
+            .map(|(buffer, offset, bytes, cause)| Region {
+                buffer: *buffer,
+                offset: *offset,
+                bytes,
+                cause: *cause,
+            })
+            .collect();
+        send(queue, self.model.gather, &regions)?;
+        Ok(change)
+    }
+
+    fn price(&self, to: &TrunkLevel) -> u64 {
+        match self.model.mode {
+            TrunkMode::Host => 0,
+            TrunkMode::Device => {
+                let (_, writes) = self.clone().step(*to);
+                writes
+                    .iter()
+                    .map(|(_, _, bytes, _)| bytes.len() as u64)
+                    .sum()
+            }
+        }
+    }
+
+    fn host_bytes(&self) -> u64 {
+        4 + 4 * self.content.len() as u64
+            + match self.model.mode {
+                TrunkMode::Host => {
+                    12 * u64::from(self.model.plan.counts[0]) + IndirectRecord::STRIDE
+                }
+                TrunkMode::Device => 0,
+            }
+    }
+
+    fn draw(&self, steps: &mut Vec<Step>) {
+        steps.extend_from_slice(&self.steps);
+    }
+}
+
+impl MomResident {
+    /// Takes the slots from one level to another; returns those that differ, ascending, and how many
+    /// records were read.
+    fn move_slots(&mut self, plan: &MomPlan, from: TrunkLevel, to: TrunkLevel) -> (Vec<u32>, u64) {
+        let content = &mut self.content;
+        let mut before: Vec<(u32, u32)> = Vec::new();
+        let mut put = |slot: u32, record: u32| {
+            let held = std::mem::replace(&mut content[slot as usize], record);
+            before.push((slot, held));
+        };
+        for collapse in from.collapses..to.collapses {
+            for &[slot, _, after] in plan.slots_of(collapse) {
+                put(slot, after);
+            }
+        }
+        for collapse in (to.collapses..from.collapses).rev() {
+            for &[slot, held, _] in plan.slots_of(collapse).iter().rev() {
+                put(slot, held);
+            }
+        }
+        let read = before.len() as u64;
+        // Of several records the first is what the slot held; the sort is stable.
+        before.sort_by_key(|&(slot, _)| slot);
+        before.dedup_by_key(|&mut (slot, _)| slot);
+        let differ = before.into_iter();
+        let differ = differ.filter(|&(slot, held)| content[slot as usize] != held);
+        (differ.map(|(slot, _)| slot).collect(), read)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_and_slots_are_the_mesh_at_every_level() {
+        let trunk = super::super::examples::branch(6, 5);
+        let collapses = trunk.collapses();
+        let plan = MomPlan::of(collapses);
+        let sorted = |records: &[u32]| {
+            let vertices = records
+                .iter()
+                .map(|&record| plan.records[record as usize].vertices);
+            let mut vertices: Vec<_> = vertices.collect();
+            vertices.sort_unstable();
+            vertices
+        };
+        for level in 0..=collapses.collapse_count() {
+            let mut wanted: Vec<_> = collapses.triangles_after(level).map(|(_, t)| t).collect();
+            wanted.sort_unstable();
+            let at = TrunkLevel { collapses: level };
+            assert_eq!(sorted(&plan.scan(at).0), wanted, "level {level}");
+            let count = plan.counts[level as usize] as usize;
+            assert_eq!(sorted(&plan.slots_at(at)[..count]), wanted, "level {level}");
+        }
+    }
+}
