@@ -40,6 +40,7 @@ goldens! {
         juniperus_oxycedrus olea_europaea pistacia_lentiscus quaking_aspen quercus_cerris
         quercus_suber sorbus_aucuparia spartium_junceum taxus_baccata weeping_willow
     }
+    trunk { lodstrips lodstrips_cut mom }
     vdf { host indices }
     view { grove inside orthographic }
 }
