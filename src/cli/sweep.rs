@@ -7,6 +7,7 @@ use super::error::CliError;
 use super::prepare::Prepared;
 use super::run::folder;
 use super::terminal::Terminal;
+use crate::gpu::Card;
 use crate::models::TrunkKind;
 use crate::raster::Counters;
 use crate::report::{
@@ -38,7 +39,7 @@ pub(super) fn sweep(
         card: prepared.options.card,
     };
     let walk = run::SweepOptions {
-        variants,
+        variants: variants.unwrap_or_else(|| all_on(prepared.options.card)),
         steps: options.steps,
         shard: options.drawing.shard.unwrap_or(Shard::WHOLE),
         session: prepared.options,
@@ -72,9 +73,16 @@ pub(super) fn closing(
     terminal.print(&text)
 }
 
-fn variants(labels: &[String]) -> Result<Vec<Variant>, CliError> {
+/// All that a card can do.
+fn all_on(card: Card) -> Vec<Variant> {
+    let all = Variant::ALL.into_iter();
+    all.filter(|variant| variant.runs_on(card)).collect()
+}
+
+/// The variants that are asked for by name.
+fn variants(labels: &[String]) -> Result<Option<Vec<Variant>>, CliError> {
     if labels.is_empty() {
-        return Ok(Variant::ALL.to_vec());
+        return Ok(None);
     }
     let variant = |label: &String| {
         Variant::labelled(label).ok_or_else(|| {
@@ -90,5 +98,9 @@ fn variants(labels: &[String]) -> Result<Vec<Variant>, CliError> {
             ))
         })
     };
-    labels.iter().map(variant).collect()
+    labels
+        .iter()
+        .map(variant)
+        .collect::<Result<_, _>>()
+        .map(Some)
 }

@@ -56,6 +56,7 @@ pub(super) fn table(frame: &Frame, context: &Context) -> String {
             ("dispatches", compute.dispatches),
             ("compute groups", compute.groups),
             ("compute bytes", compute.bytes),
+            ("empty draws", ledger.empty_draws),
         ] {
             line(&mut text, name, &[count]);
         }

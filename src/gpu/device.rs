@@ -215,17 +215,7 @@ impl Device {
         &mut self,
         program: Arc<dyn ComputeProgram>,
     ) -> Result<ComputeProgramId, GpuError> {
-        if !self.descriptor.card.computes() {
-            return Err(GpuError::NoCompute {
-                card: self.descriptor.card.name().to_owned(),
-                others: Card::ALL
-                    .iter()
-                    .filter(|card| card.computes())
-                    .map(|card| format!("{:?}", card.name()))
-                    .collect::<Vec<_>>()
-                    .join(", "),
-            });
-        }
+        self.check_computes()?;
         program.layout().check()?;
         self.compute_programs.push(program);
         Ok(ComputeProgramId(index_u32(self.compute_programs.len() - 1)))
@@ -437,6 +427,20 @@ impl Device {
         let range = self.buffer(id)?.range(offset, size, what)?;
         let slot = self.buffers.get_mut(id.0 as usize).and_then(Option::as_mut);
         Ok(&mut slot.expect("the line above found it").bytes[range])
+    }
+
+    /// Refuses what needs a card with compute passes.
+    pub(super) fn check_computes(&self) -> Result<(), GpuError> {
+        let card = self.descriptor.card;
+        if card.computes() {
+            return Ok(());
+        }
+        let others = Card::ALL.iter().filter(|card| card.computes());
+        let others: Vec<String> = others.map(|card| format!("{:?}", card.name())).collect();
+        Err(GpuError::NoCompute {
+            card: card.name().to_owned(),
+            others: others.join(", "),
+        })
     }
 
     /// The bytes of a living buffer.

@@ -247,6 +247,7 @@ fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
     for (draw, outcome) in plan.draws.iter().zip(outcomes) {
         let (vertices, primitives) = draw.sizes();
         sums.draws += draw.draws;
+        sums.empty_draws += draw.empty_draws;
         sums.vertices += vertices;
         sums.primitives += primitives;
         let triangles = match draw.topology {

@@ -153,6 +153,8 @@ pub struct Ledger {
     pub command_bytes: u64,
     /// Draws executed, each record of an indirect one counted.
     pub draws: u64,
+    /// Those of them without a corner, such as what the device culled.
+    pub empty_draws: u64,
     /// Vertices submitted.
     pub vertices: u64,
     /// Primitives submitted: triangles, quads or lines.
@@ -204,6 +206,7 @@ impl Ledger {
         self.readback.add(&other.readback);
         self.command_bytes += other.command_bytes;
         self.draws += other.draws;
+        self.empty_draws += other.empty_draws;
         self.vertices += other.vertices;
         self.primitives += other.primitives;
         self.visible_samples += other.visible_samples;

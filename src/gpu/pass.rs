@@ -7,6 +7,7 @@
 //! | bind a program, buffer or texture | 8 |
 //! | draw, or draw from a counter | 20 |
 //! | indirect draw, each record | 8 |
+//! | indirect draw whose records the device walks by itself | 20 |
 //! | begin a pass: target, load operation, clear values | 24 |
 //! | copy, or one region of a gathered write | 24 |
 //! | clear a buffer | 24 |
@@ -105,6 +106,8 @@ pub enum Step {
     Draw(Draw),
     /// Draws with arguments from a buffer.
     DrawIndirect(DrawIndirect),
+    /// The same as one command, whose records the device walks by itself: on cards that compute.
+    MultiDrawIndirect(DrawIndirect),
     /// Draws what a counter in a buffer leaves.
     DrawFromCounter(DrawFromCounter),
 }

@@ -31,6 +31,8 @@ pub(super) struct PlannedDraw {
     pub(super) instance: u32,
     /// How many draws the step counts for.
     pub(super) draws: u64,
+    /// How many of them have no corner.
+    pub(super) empty_draws: u64,
     /// The runs of corners, as `(first, count)`.
     pub(super) runs: Vec<(u32, u32)>,
     /// Whole primitives, for the vertex stage.
@@ -237,6 +239,15 @@ pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError>
                 plan.argument_reads.push((draw.arguments, range));
                 Some(arguments)
             }
+            Step::MultiDrawIndirect(draw) => {
+                device.check_computes()?;
+                let arguments = device.buffer(draw.arguments)?;
+                arguments.check_on_device("arguments that the device walks")?;
+                plan.command_bytes += DRAW_BYTES;
+                let (arguments, range) = indirect_arguments(device, &draw)?;
+                plan.argument_reads.push((draw.arguments, range));
+                Some(arguments)
+            }
             Step::DrawFromCounter(draw) => {
                 plan.command_bytes += DRAW_BYTES;
                 let (arguments, range) = counter_arguments(device, &draw)?;
@@ -294,6 +305,10 @@ fn plan_draw(
         group: first.group,
         instance: first.instance,
         draws: records.len() as u64,
+        empty_draws: records
+            .iter()
+            .filter(|record| record.corner_count == 0)
+            .count() as u64,
         runs: Vec::with_capacity(records.len()),
         corners: Vec::new(),
         strips: None,

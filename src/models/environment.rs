@@ -4,9 +4,12 @@ use std::sync::Arc;
 
 use super::format::LeafFormat;
 use super::leaf::{LeafProgram, LeafSource};
+use super::select_pass::SelectPass;
 use super::trunk::MeshProgram;
+use super::{Criterion, Crown, Extent, Kind, State, select};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Device, GpuError, ProgramId, Queue, Residency, Step, Usage,
+    BufferDescriptor, BufferId, Cause, ComputeProgramId, Device, GpuError, ProgramId, Queue,
+    Residency, Step, Usage,
 };
 use crate::math::{Mat4, Quat, Vec3};
 
@@ -14,10 +17,18 @@ use crate::math::{Mat4, Quat, Vec3};
 #[derive(Debug, Clone, Copy)]
 pub struct Environment {
     /// By source, then by format.
-    leaf: [[ProgramId; 4]; 2],
+    leaf: [[ProgramId; 4]; 3],
     pub(super) mesh: ProgramId,
     view: BufferId,
     instances: BufferId,
+    lens: Option<Lens>,
+}
+
+/// What devices that select by themselves need.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lens {
+    pub(super) camera: BufferId,
+    pub(super) select: ComputeProgramId,
 }
 
 /// What a frame is seen by.
@@ -40,6 +51,82 @@ pub struct View {
     pub light: Vec3,
     /// Linear colour of the light that comes from everywhere.
     pub ambient: Vec3,
+}
+
+/// What detail is selected by, for devices that select by themselves.
+///
+/// | bytes | field       | type      | unit, space |
+/// |------:|-------------|-----------|-------------|
+/// | 0–11  | `eye`       | 3 × `f32` | m, world |
+/// | 12–15 | `nearest`   | `f32`     | m, world |
+/// | 16–19 | `farthest`  | `f32`     | m, world |
+/// | 20–23 | `extent`    | `u32`     | 0 uniform, 1 variable |
+///
+/// Little-endian and unpadded, 24 bytes: what a new camera costs on the bus beside the view, which
+/// every model sends and which the same device culls by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Where the viewer stands.
+    pub eye: Vec3,
+    /// The papers' criterion, with distances in the world.
+    pub criterion: Criterion,
+}
+
+impl Camera {
+    const BYTES: u64 = 24;
+
+    /// For those who do not look at it.
+    pub(super) const AT_ORIGIN: Self = Self {
+        eye: Vec3::ZERO,
+        criterion: Criterion {
+            nearest: 0.0,
+            farthest: 1.0,
+            extent: Extent::Uniform,
+        },
+    };
+
+    /// The criterion in the space of a plant that stands there: its own space is scaled.
+    #[must_use]
+    pub fn criterion_for(&self, placement: &Placement) -> Criterion {
+        Criterion {
+            nearest: self.criterion.nearest / placement.scale,
+            farthest: self.criterion.farthest / placement.scale,
+            ..self.criterion
+        }
+    }
+
+    /// The state of a plant that stands there.
+    #[must_use]
+    pub fn select(&self, crown: &Crown, placement: &Placement) -> State {
+        let eye = placement.to_plant(self.eye);
+        select(crown, self.criterion_for(placement), eye)
+    }
+
+    fn words(&self) -> [u32; 6] {
+        let [x, y, z] = self.eye.to_array().map(f32::to_bits);
+        let Criterion {
+            nearest,
+            farthest,
+            extent,
+        } = self.criterion;
+        let extent = u32::from(extent == Extent::Variable);
+        [x, y, z, nearest.to_bits(), farthest.to_bits(), extent]
+    }
+
+    pub(super) fn from_words([x, y, z, nearest, farthest, extent]: [u32; 6]) -> Self {
+        Self {
+            eye: Vec3::from_array([x, y, z].map(f32::from_bits)),
+            criterion: Criterion {
+                nearest: f32::from_bits(nearest),
+                farthest: f32::from_bits(farthest),
+                extent: if extent == 0 {
+                    Extent::Uniform
+                } else {
+                    Extent::Variable
+                },
+            },
+        }
+    }
 }
 
 /// Where an instance stands: scaled, turned about +Y, then moved.
@@ -105,10 +192,15 @@ impl View {
             .chain(self.ambient.to_array())
     }
 
+    /// The matrix, from the first words.
+    pub(super) fn read_matrix(words: [f32; 16]) -> Mat4 {
+        Mat4::from_cols_array(&words)
+    }
+
     pub(super) fn read(words: crate::gpu::Words<'_>) -> Self {
         let vector = |first: usize| Vec3::from_array(words.f32s(first));
         Self {
-            clip_from_world: Mat4::from_cols_array(&words.f32s(0)),
+            clip_from_world: Self::read_matrix(words.f32s(0)),
             to_light: vector(16),
             light: vector(19),
             ambient: vector(22),
@@ -147,7 +239,12 @@ impl Environment {
         };
         let view = buffer("view", View::BYTES)?;
         let instances = buffer("placements", Placement::STRIDE * u64::from(instances))?;
-        let leaf = [LeafSource::Indexed, LeafSource::Stamped].map(|source| {
+        let leaf = [
+            LeafSource::Indexed,
+            LeafSource::Stamped,
+            LeafSource::Windowed,
+        ]
+        .map(|source| {
             LeafFormat::ALL
                 .map(|format| device.create_program(Arc::new(LeafProgram { source, format })))
         });
@@ -156,7 +253,61 @@ impl Environment {
             mesh: device.create_program(Arc::new(MeshProgram)),
             view,
             instances,
+            lens: None,
         })
+    }
+
+    /// The same with what models of a kind need beside: for those that [select by
+    /// themselves](Kind::selects) the camera, and their program.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`], or [`GpuError::NoCompute`] on a card that cannot run that program.
+    pub fn of_kind(device: &mut Device, instances: u32, kind: Kind) -> Result<Self, GpuError> {
+        let mut environment = Self::new(device, instances)?;
+        if kind.selects() {
+            environment.lens = Some(Lens {
+                select: device.create_compute_program(Arc::new(SelectPass))?,
+                camera: device.create_buffer(&BufferDescriptor {
+                    label: "camera",
+                    size: Camera::BYTES,
+                    usage: Usage::STORAGE,
+                    residency: Residency::Device,
+                })?,
+            });
+        }
+        Ok(environment)
+    }
+
+    /// Whether there are models that look at the camera.
+    #[must_use]
+    pub fn has_camera(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    pub(super) fn lens(&self) -> Result<Lens, GpuError> {
+        self.lens.ok_or_else(|| GpuError::Unsupported {
+            what: "a model that selects by itself in an environment without a camera".to_owned(),
+        })
+    }
+
+    /// The view, then the placements.
+    pub(super) fn shared_buffers(&self) -> [BufferId; 2] {
+        [self.view, self.instances]
+    }
+
+    /// Sends the camera of a frame under the cause `camera`; where no model looks at it, nothing.
+    ///
+    /// # Errors
+    ///
+    /// None on the device that this environment was made for.
+    pub fn set_camera(&self, queue: &mut Queue<'_>, camera: &Camera) -> Result<(), GpuError> {
+        let Some(lens) = self.lens else {
+            return Ok(());
+        };
+        let words = camera.words().into_iter();
+        let bytes: Vec<u8> = words.flat_map(u32::to_le_bytes).collect();
+        queue.write(lens.camera, 0, &bytes, Cause::of("camera"))
     }
 
     /// Sends the view of a frame under the cause `view`.

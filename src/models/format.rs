@@ -253,6 +253,14 @@ impl LeafBytes {
         }
     }
 
+    /// How far vertices may be displaced along each axis, at most; twice what quantising does.
+    pub(super) fn grid_step(&self) -> Vec3 {
+        match self.format.vertices {
+            Vertices::Float => Vec3::ZERO,
+            Vertices::Quantised => self.grid().step,
+        }
+    }
+
     fn grid(&self) -> Grid {
         let bounds = self.crown.bounds();
         Grid {

@@ -5,7 +5,8 @@
 //!
 //! - `leaf`: the input assembler names four vertices a leaf;
 //! - `stamped-leaf`: corner `i` belongs to leaf record `i / 4` of a storage buffer; records that are
-//!   not born yet, or gone already, are left out.
+//!   not born yet, or gone already, are left out;
+//! - `windowed-leaf`: the same, where draws begin behind what is gone of each cluster.
 
 use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
 use super::format::{LeafFormat, Records, VertexReader, Vertices};
@@ -29,6 +30,8 @@ pub(super) enum LeafSource {
     Indexed,
     /// Corners count through stamped records.
     Stamped,
+    /// Corners count through windows of records that lie cluster by cluster.
+    Windowed,
 }
 
 /// The slot of the materials.
@@ -45,7 +48,12 @@ pub(super) const THRESHOLD_SLOT: u32 = 6;
 /// The slot of the clusters' first vertices, for compact records that are pulled.
 pub(super) const FIRST_VERTEX_SLOT: u32 = 7;
 
-/// Words of one stamped record: four corners, birth, cluster.
+/// The slot of the collapses done in each cluster, for windows.
+pub(super) const COUNT_SLOT: u32 = 5;
+/// The slot of the clusters' first vertices, for windows of compact records.
+pub(super) const WINDOW_FIRST_VERTEX_SLOT: u32 = 6;
+
+/// Words of one pulled record: four corners, birth, cluster.
 pub(super) fn stamped_words(format: LeafFormat) -> usize {
     format.record_bytes() as usize / 4 + 2
 }
@@ -70,6 +78,16 @@ impl Program for LeafProgram {
                     "stamped-compact-leaf",
                     "stamped-quantised-leaf",
                     "stamped-small-leaf",
+                ],
+                0,
+                [record, vertex],
+            ),
+            LeafSource::Windowed => (
+                [
+                    "windowed-leaf",
+                    "windowed-compact-leaf",
+                    "windowed-quantised-leaf",
+                    "windowed-small-leaf",
                 ],
                 0,
                 [record, vertex],
@@ -110,6 +128,22 @@ impl Program for LeafProgram {
                     stage.leaf(corners, &vertices, geometry);
                 }
             }
+            LeafSource::Windowed => {
+                let vertices = VertexReader::new(self.format, storage(VERTEX_SLOT), keys);
+                let records = storage(RECORD_SLOT);
+                let counts = storage(COUNT_SLOT);
+                let first_vertices = storage(WINDOW_FIRST_VERTEX_SLOT);
+                let words = stamped_words(self.format);
+                for corners in call.corners.chunks_exact(4) {
+                    let first = words * (corners[0] as usize / 4);
+                    let [birth, cluster] = records.u32s(first + words - 2);
+                    if birth <= counts.u32(cluster as usize) {
+                        let corners =
+                            self.corners(records, first, || first_vertices.u32(cluster as usize));
+                        stage.leaf(corners, &vertices, geometry);
+                    }
+                }
+            }
             LeafSource::Stamped => {
                 let vertices = VertexReader::new(self.format, storage(VERTEX_SLOT), keys);
                 let records = storage(RECORD_SLOT);
@@ -129,14 +163,10 @@ impl Program for LeafProgram {
                         birth <= counter
                     };
                     if stands {
-                        let corners = match self.format.records {
-                            Records::Wide => records.u32s(first),
-                            Records::Compact => {
-                                let cluster = records.u32(first + words - 1) as usize;
-                                let base = storage(FIRST_VERTEX_SLOT).u32(cluster);
-                                compact_corners(records.u32s(first), base)
-                            }
-                        };
+                        let corners = self.corners(records, first, || {
+                            let cluster = records.u32(first + words - 1);
+                            storage(FIRST_VERTEX_SLOT).u32(cluster as usize)
+                        });
                         stage.leaf(corners, &vertices, geometry);
                     }
                 }
@@ -173,13 +203,26 @@ impl LeafProgram {
             (LeafSource::Indexed, _) => MATERIAL_SLOT + 1,
             (LeafSource::Stamped, Records::Wide) => THRESHOLD_SLOT + 1,
             (LeafSource::Stamped, Records::Compact) => FIRST_VERTEX_SLOT + 1,
+            (LeafSource::Windowed, Records::Wide) => COUNT_SLOT + 1,
+            (LeafSource::Windowed, Records::Compact) => WINDOW_FIRST_VERTEX_SLOT + 1,
         }
     }
-}
 
-/// The corners of a compact record, each two bytes.
-fn compact_corners(words: [u32; 2], first_vertex: u32) -> [u32; 4] {
-    [0, 1, 2, 3].map(|role: usize| (words[role / 2] >> (16 * (role % 2)) & 0xffff) + first_vertex)
+    /// The corners of the record that begins at a word; only compact ones ask for the first vertex.
+    fn corners(
+        self,
+        records: Words<'_>,
+        first: usize,
+        first_vertex: impl FnOnce() -> u32,
+    ) -> [u32; 4] {
+        match self.format.records {
+            Records::Wide => records.u32s(first),
+            Records::Compact => {
+                let ([low, high], base) = (records.u32s(first), first_vertex());
+                [low & 0xffff, low >> 16, high & 0xffff, high >> 16].map(|local| local + base)
+            }
+        }
+    }
 }
 
 /// What the vertex stage knows before it sees a leaf.

@@ -21,6 +21,7 @@
 //! | [`Kind::LodfCluster`] | vertices, a block of records a cluster | 16 B an active leaf of each changed cluster, and its count (4 B) |
 //! | [`Kind::LodfSlots`] | the same | at most two records (32 B) a collapse or split, and the count (4 B) a changed cluster |
 //! | [`Kind::LodfStamps`] | vertices, every record once with its birth | 4 B; 4 B a changed cluster between variable states |
+//! | [`Kind::LodfDevice`] | vertices, every record once with its birth, the clusters' boxes and collapses | nothing but the [`Camera`] (24 B) where that decides; else as `LodfStamps` |
 //! | [`Kind::LodfLiteral`] | as `LodfCluster` | as `LodfCluster`, of the papers' static list: wrong leaves |
 //!
 //! These are figures of wide records and float vertices; [`LeafFormat`] has smaller ones for all of them:
@@ -40,6 +41,7 @@ mod leaf;
 mod leaf_list;
 mod lodf;
 mod select;
+mod select_pass;
 mod state;
 mod surface;
 mod terrain;
@@ -49,7 +51,7 @@ mod vdf;
 use std::sync::Arc;
 
 pub use crown::Crown;
-pub use environment::{Environment, Placement, View};
+pub use environment::{Camera, Environment, Placement, View};
 pub use errors::LeafErrors;
 pub use format::{LeafFormat, Records, Vertices};
 pub use lodf::{Extraction, Gather};
@@ -63,7 +65,7 @@ pub use surface::LEAF_GROUP;
 pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel};
 
-use crate::gpu::{Device, GpuError, Queue, Step};
+use crate::gpu::{Command, Device, GpuError, Queue, Step};
 
 /// A level-of-detail model of one crown: immutable, made offline.
 pub trait Model: Send + Sync + std::fmt::Debug {
@@ -131,6 +133,19 @@ pub trait Resident<S = State>: std::fmt::Debug {
     fn cluster_price(&self, _cluster: u32, _collapses: u32) -> Option<u64> {
         None
     }
+
+    /// Goes over to the state that the device selects from the [`Camera`] which it was sent: `to` is
+    /// that state, as [`Camera::select`] has it. Models that do not select are sent what differs.
+    ///
+    /// # Errors
+    ///
+    /// None on the device that it lives on.
+    fn follow(&mut self, queue: &mut Queue<'_>, to: &S) -> Result<Change, GpuError> {
+        self.commit(queue, to)
+    }
+
+    /// Adds the commands that go before every pass that draws it, after the view is sent.
+    fn prepare(&self, _commands: &mut Vec<Command>) {}
 
     /// Adds the steps that draw it.
     fn draw(&self, steps: &mut Vec<Step>);
@@ -202,13 +217,15 @@ pub enum Kind {
     LodfSlots,
     /// LoDF with stamped records of which nothing is sent but a counter.
     LodfStamps,
+    /// LoDF that the device refines by itself, from the camera.
+    LodfDevice,
     /// LoDF with the papers' static list, which shows wrong leaves.
     LodfLiteral,
 }
 
 impl Kind {
     /// Every kind that shows the right leaves at every level.
-    pub const SOUND: [Self; 7] = [
+    pub const SOUND: [Self; 8] = [
         Self::Full,
         Self::VdfHost,
         Self::VdfIndices,
@@ -216,10 +233,11 @@ impl Kind {
         Self::LodfCluster,
         Self::LodfSlots,
         Self::LodfStamps,
+        Self::LodfDevice,
     ];
 
     /// Every kind.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Full,
         Self::VdfHost,
         Self::VdfIndices,
@@ -227,6 +245,7 @@ impl Kind {
         Self::LodfCluster,
         Self::LodfSlots,
         Self::LodfStamps,
+        Self::LodfDevice,
         Self::LodfLiteral,
     ];
 
@@ -241,6 +260,7 @@ impl Kind {
             Self::LodfCluster => ("lodf", "cluster"),
             Self::LodfSlots => ("lodf", "slots"),
             Self::LodfStamps => ("lodf", "stamps"),
+            Self::LodfDevice => ("lodf", "device"),
             Self::LodfLiteral => ("lodf", "literal"),
         }
     }
@@ -276,6 +296,13 @@ impl Kind {
         self != Self::Full
     }
 
+    /// Whether it selects on the device: it needs a card that computes, and
+    /// [`Environment::of_kind`].
+    #[must_use]
+    pub fn selects(self) -> bool {
+        self == Self::LodfDevice
+    }
+
     /// The model of this kind for a crown.
     #[must_use]
     pub fn model(self, crown: &Arc<Crown>, options: ModelOptions) -> Box<dyn Model> {
@@ -289,6 +316,7 @@ impl Kind {
             Self::LodfLiteral => Box::new(lodf::Blocks::new(crown, lodf::Order::Literal, options)),
             Self::LodfSlots => Box::new(lodf::Slots::new(crown, options)),
             Self::LodfStamps => Box::new(lodf::Stamps::new(crown, options)),
+            Self::LodfDevice => Box::new(lodf::Refined::new(crown, options)),
         }
     }
 }

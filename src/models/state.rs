@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::TrunkLevel;
+use super::{Change, TrunkLevel};
 use crate::simplify::Clusters;
 
 /// A cut through the forest of leaves: fully describes a model's resident content.
@@ -89,6 +89,17 @@ impl State {
             Self::Uniform { .. } => 4,
             Self::Variable { counts } => 4 + 4 * counts.len() as u64,
         }
+    }
+
+    /// What going over to another state means for the clusters.
+    pub(super) fn change_to(&self, to: &Self, clusters: &Clusters) -> Change {
+        let mut change = Change::default();
+        for (before, after) in self.counts(clusters).into_iter().zip(to.counts(clusters)) {
+            change.collapses += after.saturating_sub(before);
+            change.splits += before.saturating_sub(after);
+            change.clusters_touched += u32::from(before != after);
+        }
+        change
     }
 
     /// How many collapses are done over all clusters.

@@ -10,9 +10,9 @@ use crate::gpu::{
 };
 use crate::math::{Digest, Vec3, Vec4, whole_u32};
 use crate::models::{
-    Change, Environment, Extraction, Gather, Ground, Kind, LEAF_GROUP, LeafFormat, ModelOptions,
-    Placement, Records, Resident, Shared, State, TreeChange, TreeState, TrunkKind, TrunkLevel,
-    Vertices, View,
+    Camera, Change, Criterion, Environment, Extent, Extraction, Gather, Ground, Kind, LEAF_GROUP,
+    LeafFormat, ModelOptions, Placement, Records, Resident, Shared, State, TreeChange, TreeState,
+    TrunkKind, TrunkLevel, Vertices, View,
 };
 use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
 use crate::scene::{self, ImageSize, SampleCount, Scene};
@@ -141,6 +141,7 @@ pub struct Session<'w> {
     initial: Ledger,
     view: Option<View>,
     deferred: Option<u64>,
+    camera: Option<Camera>,
     owners: Owners,
 }
 
@@ -308,7 +309,7 @@ impl<'w> Session<'w> {
         let trees = crate::math::index_u32(world.trees.len());
         // The ground is placed after all trees.
         let placed = trees + u32::from(world.ground.is_some());
-        let environment = Environment::new(&mut device, placed)?;
+        let environment = Environment::of_kind(&mut device, placed, options.kind)?;
         let ground = match &world.ground {
             None => None,
             Some(mesh) => {
@@ -346,6 +347,7 @@ impl<'w> Session<'w> {
             initial: Ledger::default(),
             view: None,
             deferred: None,
+            camera: None,
             owners,
         };
         let states = session.select(0);
@@ -359,6 +361,10 @@ impl<'w> Session<'w> {
                 shared[tree.crown].instance(&mut session.device, &state.foliage, number)?;
             session.residents.push(resident);
             session.owners.claim(&session.device, Owner::Tree(number));
+        }
+        // What selects by itself stands as its first frame begins.
+        if session.selecting_camera(0).is_some() {
+            session.commit(0)?;
         }
         session.initial = session.device.take_ledger();
         Ok(session)
@@ -441,11 +447,59 @@ impl<'w> Session<'w> {
     /// None on this session's own device.
     pub fn commit(&mut self, frame: u32) -> Result<TreeChange, RunError> {
         let mut states = self.select(frame);
+        if let Some(camera) = self.selecting_camera(frame) {
+            return self.follow(camera, &states);
+        }
         if let Some(budget) = self.scene.model.budget_bytes {
             let view = self.scene.camera.at(frame, self.size);
             self.deferred = Some(self.afford(&mut states, budget, &view));
         }
         self.commit_states(&states)
+    }
+
+    /// Sends the camera, by which the device goes over to these states of foliage itself; trunks are
+    /// sent theirs.
+    fn follow(&mut self, camera: Camera, states: &[TreeState]) -> Result<TreeChange, RunError> {
+        let mut queue = self.device.queue();
+        if self.camera != Some(camera) {
+            self.environment.set_camera(&mut queue, &camera)?;
+            self.camera = Some(camera);
+        }
+        let mut change = TreeChange::default();
+        let residents = self.trunks.iter_mut().zip(&mut self.residents);
+        for ((trunk, resident), state) in residents.zip(states) {
+            if let Some(trunk) = trunk {
+                change.trunk.add(&trunk.commit(&mut queue, &state.trunk)?);
+            }
+            change
+                .foliage
+                .add(&resident.follow(&mut queue, &state.foliage)?);
+        }
+        Ok(change)
+    }
+
+    /// The camera of a frame, where the device selects by it: by the papers' criterion, which
+    /// [`select`](Self::select) follows too. What a scene dictates, spreads, holds back or bounds
+    /// otherwise is chosen on the host.
+    fn selecting_camera(&self, frame: u32) -> Option<Camera> {
+        let model = &self.scene.model;
+        let by_distance = model.level.is_none() && model.amount.is_none();
+        let at_once = model.hysteresis == 0.0 && model.budget_bytes.is_none();
+        let follows = self.environment.has_camera()
+            && model.criterion == scene::CriterionName::Paper
+            && by_distance
+            && at_once;
+        follows.then(|| Camera {
+            eye: self.scene.camera.at(frame, self.size).eye,
+            criterion: Criterion {
+                nearest: model.range.d_min(),
+                farthest: model.range.d_max(),
+                extent: match model.detail {
+                    scene::DetailKind::Uniform => Extent::Uniform,
+                    scene::DetailKind::Variable => Extent::Variable,
+                },
+            },
+        })
     }
 
     /// Takes back what a budget of bytes does not allow; returns how many clusters, trunks, or trees
@@ -510,7 +564,12 @@ impl<'w> Session<'w> {
             }
             leaves += u64::from(state.foliage.leaf_count(crown.clusters()));
         }
-        self.device.queue().submit(&[Command::Render(pass)])?;
+        let mut commands = Vec::new();
+        for resident in &self.residents {
+            resident.prepare(&mut commands);
+        }
+        commands.push(Command::Render(pass));
+        self.device.queue().submit(&commands)?;
         let image = self.device.present(self.target)?;
         Ok(Frame {
             frame,

@@ -6,7 +6,7 @@ use super::selector::Selector;
 use super::session::{Session, SessionOptions};
 use super::shard::{Shard, exact};
 use super::world::World;
-use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
+use crate::gpu::{Card, Ledger, Link, Stream, Ticks, Traffic};
 use crate::math::Digest;
 use crate::models::{
     Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, TreeState, TrunkKind,
@@ -44,9 +44,9 @@ impl<'de> serde::Deserialize<'de> for Variant {
 }
 
 impl Variant {
-    /// Every sound model and mode, slots both ways; then the papers' mode, slots and stamps with
-    /// records of 8 bytes.
-    pub const ALL: [Self; 11] = [
+    /// Every sound model and mode, slots both ways; the papers' mode, slots and stamps also with
+    /// records of 8 bytes; and those that need a card that computes.
+    pub const ALL: [Self; 13] = [
         Self::usual(Kind::Full),
         Self::usual(Kind::VdfHost),
         Self::usual(Kind::VdfIndices),
@@ -58,6 +58,8 @@ impl Variant {
         Self::usual(Kind::LodfCluster).compact(),
         Self::usual(Kind::LodfSlots).compact().gathered(),
         Self::usual(Kind::LodfStamps).compact(),
+        Self::usual(Kind::LodfDevice),
+        Self::usual(Kind::LodfDevice).compact(),
     ];
 
     /// A kind as its papers have it.
@@ -93,6 +95,12 @@ impl Variant {
     /// What a label may end in, in this order, after the kind's.
     const ENDINGS: [&'static str; 3] = ["-u16", "-quantised", "-gathered"];
 
+    /// Whether a card can do it.
+    #[must_use]
+    pub fn runs_on(self, card: Card) -> bool {
+        card.computes() || !self.kind.selects()
+    }
+
     /// The kind's label, then `-u16` with compact records, `-quantised` with quantised vertices,
     /// `-gathered` where ranges are gathered, and `+` and the trunk's label where there is one:
     /// `lodf-slots-gathered+lodstrips-device`.
@@ -124,12 +132,12 @@ impl Variant {
             stripped.is_some()
         });
         let kind = Kind::labelled(base)?;
-        // Only slots, stamps and trunks on the device ever send several ranges that could be gathered,
-        // and only what has records can have compact ones.
+        // Only slots, stamps, dictated states and trunks on the device ever send several ranges that
+        // could be gathered, and only what has records can have compact ones.
         let trunk_gathers =
             |trunk: TrunkKind| trunk.has_levels() && trunk.mode == crate::scene::TrunkMode::Device;
-        let gathers =
-            matches!(kind, Kind::LodfSlots | Kind::LodfStamps) || trunk.is_some_and(trunk_gathers);
+        let gathers = matches!(kind, Kind::LodfSlots | Kind::LodfStamps | Kind::LodfDevice)
+            || trunk.is_some_and(trunk_gathers);
         let sound = (gathers || !gathered) && (kind != Kind::Full || !compact);
         sound.then_some(Self {
             kind,

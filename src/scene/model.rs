@@ -65,6 +65,8 @@ choices! {
         Indices = "indices",
         /// Without levels only: the vertices, and nothing ever changes.
         Resident = "resident",
+        /// Every leaf record once; the device selects by itself, and the camera is sent.
+        Device = "device",
     }
 }
 
@@ -166,6 +168,7 @@ impl ModelName {
                 Mode::Host,
                 Mode::Slots,
                 Mode::Stamps,
+                Mode::Device,
                 Mode::Literal,
             ],
             Self::Full => &[Mode::Resident],

@@ -8,7 +8,7 @@ use crate::gpu::{
 };
 use crate::math::{Mat4, Vec3, Vec4, index_usize};
 use crate::models::{
-    Environment, Model, Placement, Resident, Shared, State, TrunkLevel, TrunkModel, View,
+    Environment, Kind, Model, Placement, Resident, Shared, State, TrunkLevel, TrunkModel, View,
 };
 use crate::raster::{Counters, Options, Samples, TileSize};
 
@@ -22,6 +22,8 @@ pub struct Stage<S = State> {
     pub device: Device,
     /// What is drawn into.
     pub target: TargetId,
+    /// What all models of the device share.
+    pub environment: Environment,
     /// The instance.
     pub resident: Box<dyn Resident<S>>,
     /// What [`DeviceModel::counted`] took from the device so far.
@@ -30,13 +32,13 @@ pub struct Stage<S = State> {
 }
 
 impl Stage {
-    /// A device of 1 GiB on PCI Express 1.0, with tiles of 32 pixels.
+    /// A device of 1 GiB on PCI Express 1.0 with a card that computes, with tiles of 32 pixels.
     #[must_use]
     pub fn descriptor() -> DeviceDescriptor {
         DeviceDescriptor {
             memory_bytes: 1 << 30,
             link: Link::named("pcie1x16").unwrap_or(Link::ALL[0]),
-            card: Card::named("geforce6800").unwrap_or(Card::ALL[0]),
+            card: Card::named("gtx770").unwrap_or(Card::ALL[0]),
             raster: Options {
                 tile: TileSize::Side32,
                 counters: Counters::Visible,
@@ -57,7 +59,7 @@ impl Stage {
     ) -> Result<Self, GpuError> {
         let upload =
             |device: &mut Device, environment: &Environment| model.upload(device, environment);
-        Self::with(descriptor, upload, state, side)
+        Self::with((descriptor, model.kind()), upload, state, side)
     }
 
     /// The same with another resident, made of this one.
@@ -83,20 +85,20 @@ impl Stage<TrunkLevel> {
     ) -> Result<Self, GpuError> {
         let upload =
             |device: &mut Device, environment: &Environment| model.upload(device, environment);
-        Self::with(descriptor, upload, &level, side)
+        Self::with((descriptor, Kind::Full), upload, &level, side)
     }
 }
 
 impl<S> Stage<S> {
     fn with(
-        descriptor: DeviceDescriptor,
+        (descriptor, kind): (DeviceDescriptor, Kind),
         upload: impl FnOnce(&mut Device, &Environment) -> Result<Box<dyn Shared<S>>, GpuError>,
         state: &S,
         side: u32,
     ) -> Result<Self, GpuError> {
         let mut device = Device::new(descriptor);
         device.record();
-        let environment = Environment::new(&mut device, 1)?;
+        let environment = Environment::of_kind(&mut device, 1, kind)?;
         let view = View {
             clip_from_world: Mat4::from_scale(Vec3::new(0.7, 0.7, 0.3))
                 * Mat4::from_translation(Vec3::new(0.0, 0.0, 1.6)),
@@ -118,6 +120,7 @@ impl<S> Stage<S> {
             contents: Contents::of(&device),
             device,
             target,
+            environment,
             resident,
             counted: Ledger::default(),
         })
@@ -136,10 +139,10 @@ impl<S> Stage<S> {
             load,
             steps,
         };
-        self.device
-            .queue()
-            .submit(&[Command::Render(pass)])
-            .expect("a sound pass");
+        let mut commands = Vec::new();
+        self.resident.prepare(&mut commands);
+        commands.push(Command::Render(pass));
+        self.device.queue().submit(&commands).expect("a sound pass");
         self.device.present(self.target).expect("the target exists")
     }
 

@@ -31,7 +31,7 @@ goldens! {
     digest { walk_cluster walk_slots walk_stamps yew }
     full { four_samples resident }
     lodf {
-        cluster cluster_variable host literal slots slots_gathered slots_variable stamps
+        cluster cluster_variable device host literal slots slots_gathered slots_variable stamps
         stamps_variable
     }
     select { hysteresis leaf_budget_variable pixel_error }

@@ -190,6 +190,9 @@ closed_forms! {
     lodf_slots_small_gathered: Kind::LodfSlots, SMALL;
     lodf_stamps_compact: Kind::LodfStamps, COMPACT;
     lodf_stamps_small_gathered: Kind::LodfStamps, SMALL;
+    lodf_device: Kind::LodfDevice, OPTIONS;
+    lodf_device_compact: Kind::LodfDevice, COMPACT;
+    lodf_device_small_gathered: Kind::LodfDevice, SMALL;
 }
 
 /// Every step of the sequence by itself, there and back: one cluster, one or two slots, one counter.
@@ -331,7 +334,13 @@ fn every_transfer_is_timed_by_its_devices_link() {
 /// Host structures serialize to the length that they state; so do buffers, shared and per instance.
 #[test]
 fn storage_is_what_lies_there() {
-    let scenery = ["leaf materials", "leaf texture", "view", "placements"];
+    let scenery = [
+        "leaf materials",
+        "leaf texture",
+        "view",
+        "placements",
+        "camera",
+    ];
     for (seed, leaves, roots) in [(1, 2, 1), (2, 3, 3), (3, 25, 4), (4, 90, 9)] {
         let crown = random_crown(seed, leaves, roots);
         let formats = LeafFormat::ALL.into_iter();
@@ -346,7 +355,7 @@ fn storage_is_what_lies_there() {
                 "{label}"
             );
             let mut device = Device::new(descriptor());
-            let environment = Environment::new(&mut device, 2).expect("memory suffices");
+            let environment = Environment::of_kind(&mut device, 2, kind).expect("memory suffices");
             let shared = model
                 .upload(&mut device, &environment)
                 .expect("memory suffices");

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use spinney::gpu::{Ledger, Share, Stream};
+use spinney::math::index_u32;
 use spinney::models::{Crown, Kind, LeafFormat, Records, State, Vertices};
 
 /// The trees of a forest of collapses, by their least original leaf.
@@ -142,7 +143,7 @@ impl<'f> Expected<'f> {
     pub(crate) fn at(forest: &'f Forest, kind: Kind, format: LeafFormat, state: &State) -> Self {
         let (counter, thresholds) = match state {
             State::Uniform { collapses } => (*collapses, vec![0; forest.trees.len()]),
-            State::Variable { .. } => (u32::MAX, forest.thresholds(state)),
+            State::Variable { .. } => (u32::MAX, thresholds_of(forest, kind, state)),
         };
         Self {
             forest,
@@ -181,8 +182,13 @@ impl<'f> Expected<'f> {
                 records("counter", 4),
                 records("thresholds", 4 * roots),
             ],
+            Kind::LodfDevice => vec![
+                records("windowed records", (record + 8) * (originals + collapses)),
+                records("crown", 4 * (8 + 8 * roots + collapses)),
+                records("detail", 8 + 4 * roots),
+            ],
         };
-        if self.compact && self.kind == Kind::LodfStamps {
+        if self.compact && matches!(self.kind, Kind::LodfStamps | Kind::LodfDevice) {
             sent.push(records("first vertices", 4 * roots));
         }
         let mut vertices = |label, bytes| sent.push(("vertices", None, label, bytes));
@@ -269,25 +275,32 @@ impl<'f> Expected<'f> {
                     std::iter::repeat_n(slot, slots).chain([draw_count(id)])
                 })
                 .collect(),
-            Kind::LodfStamps => self.stamps(to),
+            Kind::LodfStamps => self.stamps(to, "counter", "thresholds"),
+            // Dictated states, counts in place of stamps; by the camera nothing is sent.
+            Kind::LodfDevice => self.stamps(to, "detail", "detail"),
         }
     }
 
-    fn stamps(&mut self, to: &State) -> Vec<Sent> {
+    fn stamps(
+        &mut self,
+        to: &State,
+        counters: &'static str,
+        thresholds: &'static str,
+    ) -> Vec<Sent> {
         let mut sent = Vec::new();
         let counter = match to {
             State::Uniform { collapses } => *collapses,
             State::Variable { .. } => {
-                let wanted = self.forest.thresholds(to);
+                let wanted = thresholds_of(self.forest, self.kind, to);
                 let held = std::mem::replace(&mut self.thresholds, wanted);
                 let pairs = (0..).zip(held.iter().zip(&self.thresholds));
                 let differing = pairs.filter(|(_, (held, wanted))| held != wanted);
-                sent.extend(differing.map(|(id, _)| ("threshold", Some(id), "thresholds", 4)));
+                sent.extend(differing.map(|(id, _)| ("threshold", Some(id), thresholds, 4)));
                 u32::MAX
             }
         };
         if std::mem::replace(&mut self.counter, counter) != counter {
-            sent.push(("counter", None, "counter", 4));
+            sent.push(("counter", None, counters, 4));
         }
         sent
     }
@@ -319,6 +332,13 @@ impl<'f> Expected<'f> {
                 (1, window)
             }
             (Kind::LodfStamps, State::Variable { .. }) => (1, 4 * all),
+            // A window a cluster, whatever the state.
+            (Kind::LodfDevice, _) => {
+                let collapses = self.forest.originals - visible;
+                let windows = 4 * (all - 2 * collapses);
+                assert!(windows < 2 * 4 * visible, "fewer than twice the visible");
+                (roots, windows)
+            }
             (Kind::VdfHost | Kind::VdfIndices | Kind::LodfHost, _) => (self.lists(), 4 * visible),
         }
     }
@@ -334,9 +354,22 @@ impl<'f> Expected<'f> {
                 (2, 8 * self.forest.trees.len() as u64)
             }
             Kind::LodfStamps => (4 + u64::from(self.compact), 20),
+            // One command for all clusters; before it a compute pass: program, seven buffers, dispatch.
+            Kind::LodfDevice => (3 + u64::from(self.compact), 20 + 8 * (1 + 7) + 16),
         };
         let bound = bound + u64::from(self.compact) + u64::from(self.quantised);
         24 + 8 * (4 + textures + bound) + draws
+    }
+}
+
+/// What the device holds of each cluster in a variable state: the stamp of its last collapse, or how
+/// many are done.
+fn thresholds_of(forest: &Forest, kind: Kind, state: &State) -> Vec<u32> {
+    if kind == Kind::LodfDevice {
+        let counts = forest.counts(state).into_iter();
+        counts.map(index_u32).collect()
+    } else {
+        forest.thresholds(state)
     }
 }
 

@@ -136,7 +136,7 @@ fn single_values_out_of_range_are_refused() {
         ),
         (
             ending("[model]\nmode = \"magic\""),
-            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\", \"literal\", \"indices\" or \"resident\"",
+            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\", \"literal\", \"indices\", \"resident\" or \"device\"",
         ),
         (
             ending("[model]\nname = \"vdf\"\nmode = \"slots\""),

@@ -362,6 +362,9 @@ path = [
 detail = "variable"
 d_min = 7.0
 d_max = 32.0
+
+[device]
+card = "gtx770"
 "#;
 
 /// The scene of two birches.

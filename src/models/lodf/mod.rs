@@ -7,22 +7,26 @@
 //!      Host: a list in host memory ◀───────────┬──────────┬────────────┤
 //!      Blocks: changed clusters sent whole ◀───┘          │            │
 //!      Slots: changed records sent ◀──────────────────────┘            │
-//!      Stamps: a counter, or thresholds of changed clusters ◀──────────┘
+//!      Stamps: a counter, or thresholds of changed clusters ◀──────────┤
+//!      Refined: the same, or the camera alone ◀────────────────────────┘
 //! ```
 
 mod blocks;
+mod device;
 mod groups;
 mod host;
 mod slots;
 mod stamps;
 
 pub(super) use blocks::{Blocks, Order};
+pub(super) use device::Refined;
 pub use groups::Extraction;
 pub(super) use host::Host;
 pub(super) use slots::{Slots, send};
 pub(super) use stamps::Stamps;
 
-use super::Crown;
+use super::format::LeafBytes;
+use super::{Crown, Records};
 
 /// How several changed ranges are sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +71,16 @@ fn host_size(crown: &Crown) -> u64 {
 /// What every instance keeps on the host: the cursor, and how far each cluster is, 4 bytes each.
 fn instance_host_size(crown: &Crown) -> u64 {
     4 + 4 * u64::from(crown.sequence().root_count())
+}
+
+/// The vertices to which compact records count, 4 bytes a cluster; nothing for wide ones.
+fn first_vertex_bytes(crown: &Crown, leaves: &LeafBytes) -> Option<Vec<u8>> {
+    let clusters = 0..crown.sequence().root_count();
+    (leaves.format.records == Records::Compact).then(|| {
+        clusters
+            .flat_map(|cluster| leaves.first_vertex(cluster).to_le_bytes())
+            .collect()
+    })
 }
 
 /// Where each cluster's block of records begins, in records: `m` a cluster.

@@ -19,11 +19,10 @@ use super::super::leaf::{
 };
 use super::super::surface::{LEAF_GROUP, Surface, Uploaded, filled};
 use super::super::{
-    Change, Crown, Environment, Kind, Model, ModelOptions, Records, Resident, Shared, State,
-    Storage,
+    Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use super::slots::send;
-use super::{Gather, host_bytes, host_size, instance_host_size};
+use super::{Gather, first_vertex_bytes, host_bytes, host_size, instance_host_size};
 use crate::gpu::{
     BufferId, Cause, Corners, Device, DrawFromCounter, GpuError, Queue, Region, Residency, Step,
     Usage,
@@ -73,17 +72,6 @@ impl Stamps {
         operands.chain(roots).collect()
     }
 
-    /// The vertices to which compact records count, a cluster.
-    fn first_vertices(&self) -> Option<Vec<u8>> {
-        let compact = self.leaves.format.records == Records::Compact;
-        compact.then(|| {
-            let clusters = 0..self.crown.sequence().root_count();
-            clusters
-                .flat_map(|cluster| self.leaves.first_vertex(cluster).to_le_bytes())
-                .collect()
-        })
-    }
-
     fn record_bytes(&self) -> Vec<u8> {
         let originals = self.crown.sequence().original_count();
         let cluster = &self.crown.clusters().cluster_of_leaf;
@@ -128,7 +116,7 @@ impl Model for Stamps {
         let bytes = self.record_bytes();
         let records = filled(device, "stamped records", Usage::STORAGE, &bytes, RECORDS)?;
         let mut pulled = vec![(VERTEX_SLOT, surface.vertices), (RECORD_SLOT, records)];
-        if let Some(bytes) = self.first_vertices() {
+        if let Some(bytes) = first_vertex_bytes(crown, leaves) {
             let buffer = filled(device, "first vertices", Usage::STORAGE, &bytes, RECORDS)?;
             pulled.push((FIRST_VERTEX_SLOT, buffer));
         }
@@ -145,7 +133,8 @@ impl Model for Stamps {
 
     fn storage(&self) -> Storage {
         let record_bytes = 4 * stamped_words(self.leaves.format) as u64;
-        let first_vertices = self.first_vertices().map_or(0, |bytes| bytes.len() as u64);
+        let first_vertices =
+            first_vertex_bytes(&self.crown, &self.leaves).map_or(0, |bytes| bytes.len() as u64);
         Storage {
             host_bytes: host_size(&self.crown),
             shared_bytes: self.leaves.vertex_size()
@@ -255,7 +244,7 @@ impl Resident for StampsResident {
     fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
         let crown = Arc::clone(&self.model.crown);
         let clusters = crown.clusters();
-        let change = self.change_to(to);
+        let change = self.state.change_to(to, clusters);
         let mut words: Vec<(BufferId, u64, [u8; 4], Cause)> = Vec::new();
         let held = match &self.state {
             State::Uniform { .. } => std::mem::take(&mut self.stale),
@@ -326,24 +315,5 @@ impl Resident for StampsResident {
 
     fn host_bytes(&self) -> u64 {
         self.state.host_bytes() + 4 * self.stale.len() as u64
-    }
-}
-
-impl StampsResident {
-    /// What the change means for the clusters; the model itself does not need to know.
-    fn change_to(&self, to: &State) -> Change {
-        let clusters = self.model.crown.clusters();
-        let mut change = Change::default();
-        for (before, after) in self
-            .state
-            .counts(clusters)
-            .into_iter()
-            .zip(to.counts(clusters))
-        {
-            change.collapses += after.saturating_sub(before);
-            change.splits += before.saturating_sub(after);
-            change.clusters_touched += u32::from(before != after);
-        }
-        change
     }
 }

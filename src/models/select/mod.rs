@@ -29,6 +29,7 @@ pub use importance::{
     ByDistance, ByScreenError, BySilhouette, ClusterFacts, Importance, spread, weights,
 };
 pub use level::{level, level_with};
+pub(super) use paper::collapses_at;
 pub use paper::{Criterion, Extent, select};
 pub use settle::{Band, settle};
 pub use sight::Sight;

@@ -29,19 +29,17 @@ pub enum Extent {
 pub fn select(crown: &Crown, criterion: Criterion, eye: Vec3) -> State {
     match criterion.extent {
         Extent::Uniform => {
-            let distance = eye.distance(crown.center());
             let (most, least) = (
                 crown.sequence().original_count(),
                 crown.sequence().root_count(),
             );
             State::Uniform {
-                collapses: most - leaf_count(criterion, distance, most, least),
+                collapses: collapses_at(criterion, eye, crown.center(), most, least),
             }
         }
         Extent::Variable => {
-            let count = |(center, most): (&Vec3, u32)| {
-                most - leaf_count(criterion, eye.distance(*center), most, 1)
-            };
+            let count =
+                |(center, most): (&Vec3, u32)| collapses_at(criterion, eye, *center, most, 1);
             let sizes = crown
                 .clusters()
                 .clusters
@@ -57,6 +55,18 @@ pub fn select(crown: &Crown, criterion: Criterion, eye: Vec3) -> State {
             }
         }
     }
+}
+
+/// The collapses of `most` leaves to no fewer than `least` around `center`, for a viewer at `eye`, both
+/// in the plant's own space: what a device that selects by itself calls too.
+pub(in crate::models) fn collapses_at(
+    criterion: Criterion,
+    eye: Vec3,
+    center: Vec3,
+    most: u32,
+    least: u32,
+) -> u32 {
+    most - leaf_count(criterion, eye.distance(center), most, least)
 }
 
 /// The number of leaves at a distance: `most` up to `nearest`, `least` from `farthest` on, linear

@@ -151,6 +151,8 @@ pub struct ComputeEntry {
     pub groups: u64,
     /// Bytes that groups read and wrote in device memory.
     pub bytes: u64,
+    /// Draws that they left without a corner: what was culled.
+    pub empty_draws: u64,
 }
 
 /// What the rasterizer did.
@@ -247,6 +249,7 @@ impl LedgerEntry {
                 dispatches: ledger.compute.dispatches,
                 groups: ledger.compute.groups,
                 bytes: ledger.compute.bytes,
+                empty_draws: ledger.empty_draws,
             }),
             work: ledger.work.map(|work| WorkEntry {
                 covered: work.covered,
@@ -288,6 +291,7 @@ impl LedgerEntry {
             sum.dispatches += compute.dispatches;
             sum.groups += compute.groups;
             sum.bytes += compute.bytes;
+            sum.empty_draws += compute.empty_draws;
         }
         if let Some(work) = frame.work {
             let sum = self.work.get_or_insert_default();

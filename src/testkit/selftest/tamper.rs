@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::super::device::{Change, Counted, DeviceModel, Picture, Reads, Resource};
 use super::super::{History, Stage};
-use crate::gpu::{Corners, Draw, DrawFromCounter, DrawIndirect, GpuError, Queue, Step};
+use crate::gpu::{Command, Corners, Draw, DrawFromCounter, DrawIndirect, GpuError, Queue, Step};
 use crate::models::{
     self, Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Resident, State,
 };
@@ -287,6 +287,10 @@ impl Resident for Redrawn {
 
     fn host_bytes(&self) -> u64 {
         self.inner.host_bytes()
+    }
+
+    fn prepare(&self, commands: &mut Vec<Command>) {
+        self.inner.prepare(commands);
     }
 
     fn draw(&self, steps: &mut Vec<Step>) {

@@ -246,11 +246,8 @@ impl Checker {
                 ));
             }
         }
-        let ranges = step
-            .writes
-            .iter()
-            .flatten()
-            .flat_map(|transfer| &transfer.0);
+        let transfers = step.computed.iter().chain(step.writes.iter().flatten());
+        let ranges = transfers.flat_map(|transfer| &transfer.0);
         let written = ranges.map(|range| {
             let end = range.at.checked_add(range.hex.0.len() as u64);
             (range.to, range.at, end)
@@ -297,7 +294,8 @@ impl Checker {
 
     fn check_memory(&mut self, line: usize, step: &Step) {
         if let Some(writes) = &step.writes {
-            for range in writes.iter().flat_map(|transfer| &transfer.0) {
+            let transfers = step.computed.iter().chain(writes);
+            for range in transfers.flat_map(|transfer| &transfer.0) {
                 let to = index_usize(range.at)..index_usize(range.at) + range.hex.0.len();
                 self.memory[range.to][to].copy_from_slice(&range.hex.0);
             }

@@ -114,6 +114,8 @@ pub(super) struct Step {
     )]
     pub(super) writes: Option<Vec<Transfer>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) computed: Option<Transfer>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) counted: Option<StepCounts>,
     #[serde(
         default,

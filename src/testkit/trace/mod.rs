@@ -33,6 +33,7 @@
 //! |---|---|---|
 //! | `visible` | the leaves that show, in any order | partition, birth before death, monotone detail; split undoes collapse and history independence where a state comes again |
 //! | `writes` | what was sent since the last step, a list of transfers, each a list of ranges `{"to": resource, "at": byte, "hex": bytes}`; before the first step memory is zero | conservation, with `resident` or `counted` |
+//! | `computed` | beside `writes`, in steps that have any: ranges that the device itself wrote since the last step, before those that were sent; they are no traffic | conservation |
 //! | `counted` | what the program itself counted since the last step: `{"transfers": n, "bytes": n}` | conservation, with `writes` |
 //! | `resident` | all bytes of each resource, in hexadecimal | conservation, with `writes` |
 //! | `reads` | what a draw may read: `[resource, first byte, end]` each | history independence, with `resident` |

@@ -92,11 +92,13 @@ pub fn record_model<M: DeviceModel>(
             model.commit(state);
         }
         let mut fresh = build(state);
+        let (writes, computed) = told.new_writes(&model)?;
         let reads = fresh.reads().ranges;
         let reads = reads.into_iter().filter(|(_, range)| !range.is_empty());
         let step = Step {
             visible: Some(visible(state)),
-            writes: told.new_writes(&model)?,
+            writes,
+            computed,
             counted: told.new_counts(&mut model),
             resident: Some(held(&model)),
             reads: Some(
@@ -113,6 +115,9 @@ pub fn record_model<M: DeviceModel>(
     Ok(())
 }
 
+/// Transfers, and ranges that were computed.
+type NewWrites = (Option<Vec<Transfer>>, Option<Transfer>);
+
 /// How much of logs and counters was told already.
 #[derive(Default)]
 struct Told {
@@ -121,26 +126,38 @@ struct Told {
 }
 
 impl Told {
-    fn new_writes(&mut self, model: &impl DeviceModel) -> io::Result<Option<Vec<Transfer>>> {
+    /// What was sent since the last call, and what the device computed before that.
+    fn new_writes(&mut self, model: &impl DeviceModel) -> io::Result<NewWrites> {
         let Some(log) = model.log() else {
-            return Ok(None);
+            return Ok((None, None));
         };
         let mut transfers: Vec<(u64, Transfer)> = Vec::new();
+        let mut computed = Vec::new();
         for change in log.iter().skip(self.changes) {
-            let Change::Write {
-                transfer,
-                resource,
-                at,
-                bytes,
-            } = *change
-            else {
-                let message = "a trace has no words for copies and clears within the device";
-                return Err(io::Error::new(io::ErrorKind::Unsupported, message));
-            };
-            let range = Range {
+            let range = |resource, at, bytes: &[u8]| Range {
                 to: resource,
                 at,
                 hex: Hex(bytes.to_vec()),
+            };
+            let (transfer, range) = match *change {
+                Change::Write {
+                    transfer,
+                    resource,
+                    at,
+                    bytes,
+                } => (transfer, range(resource, at, bytes)),
+                Change::Computed {
+                    resource,
+                    at,
+                    bytes,
+                } => {
+                    computed.push(range(resource, at, bytes));
+                    continue;
+                }
+                Change::Copy { .. } | Change::Clear { .. } => {
+                    let message = "a trace has no words for copies and clears within the device";
+                    return Err(io::Error::new(io::ErrorKind::Unsupported, message));
+                }
             };
             match transfers.last_mut() {
                 Some((last, ranges)) if *last == transfer => ranges.0.push(range),
@@ -149,7 +166,8 @@ impl Told {
         }
         self.changes = log.len();
         let transfers = transfers.into_iter().map(|(_, transfer)| transfer);
-        Ok(Some(transfers.collect()))
+        let computed = (!computed.is_empty()).then_some(Transfer(computed));
+        Ok((Some(transfers.collect()), computed))
     }
 
     fn new_counts(&mut self, model: &mut impl DeviceModel) -> Option<StepCounts> {

@@ -1,0 +1,327 @@
+//! LoDF that the device refines by itself: a compute pass turns the camera into what is drawn.
+//!
+//! ```text
+//!  camera (32 B a frame) ─┐
+//!  view, placement ───────┼─▶ select ─┬─▶ collapses done in each cluster ─▶ vertex stage
+//!  crown (once) ──────────┤           └─▶ draw arguments of each cluster ─▶ draws
+//!  detail (by state) ─────┘
+//! ```
+//!
+//! Records lie cluster by cluster in the order of consumption, each with its birth in the cluster. After
+//! `c` collapses of a cluster of `m` originals the window from record `2 c` to `2 m − 1` is drawn, and
+//! the vertex stage leaves out what is born later: fewer than twice as many records are looked at as
+//! show. One draw command walks the arguments of all clusters.
+//!
+//! What is drawn comes from one of two sources. From the *camera* ([`Resident::follow`]): the papers'
+//! criterion, by the same function that the host selects with ([`collapses_at`]); then nothing but the
+//! camera crosses the bus, whatever changes. From the *state* ([`Resident::commit`]), for an application
+//! that dictates it: a uniform one sends how far the sequence has gone (4 B), a variable one the count of
+//! every cluster that differs from the last variable one (4 B each), as stamps do.
+//!
+//! Clusters whose box lies outside of the view are not drawn. The test leaves more room than `f32` rounds
+//! away, so no picture depends on it.
+
+use std::sync::Arc;
+
+use super::super::environment::{INSTANCE_SLOT, Lens, VIEW_SLOT};
+use super::super::format::LeafBytes;
+use super::super::leaf::{
+    COUNT_SLOT, LeafSource, RECORD_SLOT, VERTEX_SLOT, WINDOW_FIRST_VERTEX_SLOT, stamped_words,
+};
+use super::super::select_pass::{
+    ARGUMENT_SLOT, CAMERA, CAMERA_SLOT, COLLAPSES_SLOT, CROWN_SLOT, DETAIL_SLOT, VARIABLE,
+    crown_bytes, crown_size, group_count,
+};
+use super::super::surface::{LEAF_GROUP, Surface, Uploaded, filled};
+use super::super::{
+    Change, Crown, Environment, Kind, Model, ModelOptions, Records, Resident, Shared, State,
+    Storage,
+};
+use super::slots::send;
+use super::{Gather, first_vertex_bytes, host_bytes, host_size};
+use crate::gpu::{
+    BufferDescriptor, BufferId, Cause, Command, ComputePass, ComputeStep, Corners, Device,
+    DrawIndirect, GpuError, IndirectRecord, Queue, Region, Residency, Step, Usage,
+};
+use crate::math::index_u32;
+
+/// Why what an instance or the model begins with is sent.
+const RECORDS: Cause = Cause::of("records");
+
+/// LoDF refined by the device.
+///
+/// Host memory: the structures of [`host_bytes`]. Device memory: the vertices, each leaf's record with
+/// birth and cluster (24 bytes; 16 with a compact record, and then the first vertex of each cluster), and
+/// the [crown](super::super::select_pass), once; for each instance its detail (8 bytes, and 4 a cluster),
+/// and what the device computes: 4 bytes and 16 bytes of draw arguments a cluster.
+#[derive(Debug, Clone)]
+pub(in super::super) struct Refined {
+    crown: Arc<Crown>,
+    leaves: LeafBytes,
+    gather: Gather,
+}
+
+impl Refined {
+    pub(in super::super) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
+        Self {
+            leaves: LeafBytes::new(&crown, options.format),
+            crown,
+            gather: options.gather,
+        }
+    }
+
+    fn record_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for (number, cluster) in (0_u32..).zip(&self.crown.clusters().clusters) {
+            for record in &cluster.records {
+                self.leaves.push_record(record.leaf, &mut bytes);
+                bytes.extend(record.birth.to_le_bytes());
+                bytes.extend(number.to_le_bytes());
+            }
+        }
+        bytes
+    }
+}
+
+impl Model for Refined {
+    fn kind(&self) -> Kind {
+        Kind::LodfDevice
+    }
+
+    fn crown(&self) -> &Arc<Crown> {
+        &self.crown
+    }
+
+    fn drawn(&self, state: &State) -> Vec<u32> {
+        state.visible(self.crown.clusters())
+    }
+
+    fn upload(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+    ) -> Result<Box<dyn Shared>, GpuError> {
+        let lens = environment.lens()?;
+        let (crown, leaves) = (&self.crown, &self.leaves);
+        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
+        let mut buffer =
+            |label, bytes: &[u8]| filled(device, label, Usage::STORAGE, bytes, RECORDS);
+        let records = buffer("windowed records", &self.record_bytes())?;
+        let crown_buffer = buffer("crown", &crown_bytes(crown, leaves.grid_step()))?;
+        let mut pulled = vec![(VERTEX_SLOT, surface.vertices), (RECORD_SLOT, records)];
+        if let Some(bytes) = first_vertex_bytes(crown, leaves) {
+            pulled.push((WINDOW_FIRST_VERTEX_SLOT, buffer("first vertices", &bytes)?));
+        }
+        let model = self.clone();
+        Ok(Box::new(RefinedShared {
+            environment: *environment,
+            lens,
+            uploaded: Uploaded { model, surface },
+            pulled,
+            crown: crown_buffer,
+        }))
+    }
+
+    fn host_bytes(&self) -> Vec<u8> {
+        host_bytes(&self.crown)
+    }
+
+    fn storage(&self) -> Storage {
+        let sequence = self.crown.sequence();
+        let (records, roots) = (sequence.record_count(), sequence.root_count());
+        let first_vertices = match self.leaves.format.records {
+            Records::Wide => 0,
+            Records::Compact => 4 * u64::from(roots),
+        };
+        Storage {
+            host_bytes: host_size(&self.crown),
+            shared_bytes: self.leaves.vertex_size()
+                + self.leaves.key_size()
+                + 4 * stamped_words(self.leaves.format) as u64 * u64::from(records)
+                + first_vertices
+                + crown_size(&self.crown),
+            instance_bytes: 8 + (4 + 4 + IndirectRecord::STRIDE) * u64::from(roots),
+            // In a uniform state; a variable one has its own number of each cluster.
+            instance_host_bytes: 8 + 4 * u64::from(roots),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct RefinedShared {
+    environment: Environment,
+    lens: Lens,
+    uploaded: Uploaded<Refined>,
+    /// What the vertex stage pulls, by slot.
+    pulled: Vec<(u32, BufferId)>,
+    crown: BufferId,
+}
+
+impl Shared for RefinedShared {
+    fn instance(
+        &self,
+        device: &mut Device,
+        state: &State,
+        number: u32,
+    ) -> Result<Box<dyn Resident>, GpuError> {
+        let Uploaded { model, surface } = &self.uploaded;
+        let roots = model.crown.sequence().root_count();
+        let (source, wanted) = match state {
+            State::Uniform { collapses } => (*collapses, vec![0; roots as usize]),
+            State::Variable { counts } => (VARIABLE, counts.clone()),
+        };
+        let detail = [&[source, number], &wanted[..]].concat();
+        let detail: Vec<u8> = detail.into_iter().flat_map(u32::to_le_bytes).collect();
+        let detail = filled(device, "detail", Usage::STORAGE, &detail, RECORDS)?;
+        let mut computed = |label, stride, usage| {
+            device.create_buffer(&BufferDescriptor {
+                label,
+                size: stride * u64::from(roots),
+                usage,
+                residency: Residency::Device,
+            })
+        };
+        let collapses = computed("cluster collapses", 4, Usage::STORAGE)?;
+        let usage = Usage::STORAGE | Usage::INDIRECT;
+        let arguments = computed("draw arguments", IndirectRecord::STRIDE, usage)?;
+
+        let mut select = vec![ComputeStep::Program(self.lens.select)];
+        let shared = self.environment.shared_buffers();
+        for (slot, buffer) in [
+            (VIEW_SLOT, shared[0]),
+            (INSTANCE_SLOT, shared[1]),
+            (CAMERA_SLOT, self.lens.camera),
+            (CROWN_SLOT, self.crown),
+            (DETAIL_SLOT, detail),
+            (COLLAPSES_SLOT, collapses),
+            (ARGUMENT_SLOT, arguments),
+        ] {
+            select.push(ComputeStep::Storage { slot, buffer });
+        }
+        let groups = group_count(roots);
+        select.push(ComputeStep::Dispatch { groups });
+
+        let mut steps = Vec::new();
+        surface.bind(LeafSource::Windowed, &mut steps);
+        let own = [(COUNT_SLOT, collapses)];
+        for (slot, buffer) in self.pulled.iter().copied().chain(own) {
+            steps.push(Step::Storage { slot, buffer });
+        }
+        steps.push(Step::MultiDrawIndirect(DrawIndirect {
+            source: Corners::Counted,
+            arguments,
+            offset: 0,
+            count: roots,
+            group: LEAF_GROUP,
+        }));
+        Ok(Box::new(RefinedResident {
+            model: model.clone(),
+            detail,
+            select,
+            steps,
+            state: state.clone(),
+            source,
+            wanted,
+        }))
+    }
+}
+
+#[derive(Debug)]
+struct RefinedResident {
+    model: Refined,
+    detail: BufferId,
+    select: Vec<ComputeStep>,
+    steps: Vec<Step>,
+    state: State,
+    /// What the detail holds, also where the present source does not read it.
+    source: u32,
+    wanted: Vec<u32>,
+}
+
+impl Resident for RefinedResident {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
+        let mut words: Vec<(u64, [u8; 4], Cause)> = Vec::new();
+        let source = match to {
+            State::Uniform { collapses } => *collapses,
+            State::Variable { counts } => {
+                for (cluster, (wanted, held)) in counts.iter().zip(&mut self.wanted).enumerate() {
+                    if wanted != held {
+                        let cause = Cause::numbered("threshold", index_u32(cluster));
+                        words.push((8 + 4 * cluster as u64, wanted.to_le_bytes(), cause));
+                        *held = *wanted;
+                    }
+                }
+                VARIABLE
+            }
+        };
+        self.go_over(queue, to, source, words)
+    }
+
+    fn follow(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
+        self.go_over(queue, to, CAMERA, Vec::new())
+    }
+
+    fn prepare(&self, commands: &mut Vec<Command>) {
+        commands.push(Command::Compute(ComputePass {
+            label: "select".to_owned(),
+            steps: self.select.clone(),
+        }));
+    }
+
+    fn price(&self, to: &State) -> u64 {
+        match to {
+            State::Uniform { collapses } => 4 * u64::from(*collapses != self.source),
+            State::Variable { counts } => {
+                let words = counts.iter().zip(&self.wanted);
+                let differ = words.filter(|(wanted, held)| wanted != held).count() as u64;
+                4 * (u64::from(self.source != VARIABLE) + differ)
+            }
+        }
+    }
+
+    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
+        let dictated = self.source == VARIABLE && matches!(self.state, State::Variable { .. });
+        dictated.then(|| 4 * u64::from(self.wanted[cluster as usize] != collapses))
+    }
+
+    fn host_bytes(&self) -> u64 {
+        4 + self.state.host_bytes() + 4 * self.wanted.len() as u64
+    }
+
+    fn draw(&self, steps: &mut Vec<Step>) {
+        steps.extend_from_slice(&self.steps);
+    }
+}
+
+impl RefinedResident {
+    fn go_over(
+        &mut self,
+        queue: &mut Queue<'_>,
+        to: &State,
+        source: u32,
+        mut words: Vec<(u64, [u8; 4], Cause)>,
+    ) -> Result<Change, GpuError> {
+        if source != self.source {
+            words.push((0, source.to_le_bytes(), Cause::of("counter")));
+            self.source = source;
+        }
+        let regions: Vec<Region<'_>> = words
+            .iter()
+            .map(|(offset, bytes, cause)| Region {
+                buffer: self.detail,
+                offset: *offset,
+                bytes,
+                cause: *cause,
+            })
+            .collect();
+        send(queue, self.model.gather, &regions)?;
+        let mut change = self.state.change_to(to, self.model.crown.clusters());
+        change.host_records = words.len() as u64;
+        self.state = to.clone();
+        Ok(change)
+    }
+}
