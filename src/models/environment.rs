@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::expand_pass::ExpandPass;
 use super::format::LeafFormat;
 use super::leaf::{LeafProgram, LeafSource};
 use super::select_pass::SelectPass;
@@ -29,6 +30,7 @@ pub struct Environment {
 pub(super) struct Lens {
     pub(super) camera: BufferId,
     pub(super) select: ComputeProgramId,
+    pub(super) expand: ComputeProgramId,
 }
 
 /// What a frame is seen by.
@@ -258,7 +260,7 @@ impl Environment {
     }
 
     /// The same with what models of a kind need beside: for those that [select by
-    /// themselves](Kind::selects) the camera, and their program.
+    /// themselves](Kind::selects) the camera, and their programs.
     ///
     /// # Errors
     ///
@@ -268,6 +270,7 @@ impl Environment {
         if kind.selects() {
             environment.lens = Some(Lens {
                 select: device.create_compute_program(Arc::new(SelectPass))?,
+                expand: device.create_compute_program(Arc::new(ExpandPass))?,
                 camera: device.create_buffer(&BufferDescriptor {
                     label: "camera",
                     size: Camera::BYTES,

@@ -35,6 +35,7 @@
 mod crown;
 mod environment;
 mod errors;
+mod expand_pass;
 mod format;
 mod full;
 mod leaf;

@@ -45,9 +45,9 @@ pub(super) const ARGUMENT_SLOT: u32 = 6;
 /// Clusters a group.
 const GROUP_CLUSTERS: u32 = 64;
 /// Words before the first cluster.
-const CROWN_WORDS: usize = 8;
+pub(super) const CROWN_WORDS: usize = 8;
 /// Words a cluster.
-const CLUSTER_WORDS: usize = 8;
+pub(super) const CLUSTER_WORDS: usize = 8;
 
 /// How many groups select for so many clusters.
 pub(super) fn group_count(clusters: u32) -> u32 {

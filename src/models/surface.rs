@@ -2,7 +2,7 @@
 
 use super::crown::Crown;
 use super::environment::Environment;
-use super::format::{LeafBytes, LeafFormat};
+use super::format::{LeafBytes, LeafFormat, Records};
 use super::leaf::{LeafMaterial, LeafProgram, LeafSource, MATERIAL_SLOT};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Device, DrawIndirect, GpuError, MAX_SLOTS, Residency, Step,
@@ -103,6 +103,12 @@ impl Surface {
             textures,
             format: leaves.format,
         })
+    }
+
+    /// The numbers of the original leaves, with compact records.
+    pub(super) fn leaf_numbers(&self) -> Option<BufferId> {
+        let compact = self.format.records == Records::Compact;
+        compact.then(|| self.keys.first().copied()).flatten()
     }
 
     /// Binds what leaves are drawn with.

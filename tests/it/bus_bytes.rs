@@ -98,7 +98,7 @@ fn check_walk(
     let initial = [scenery(), expected.initial()].concat();
     check_stream(&ledger, Stream::Upload, &initial)?;
     check_nothing_else(&ledger, &[&initial])?;
-    prop_assert_eq!(ledger.command_bytes, 0);
+    prop_assert_eq!(ledger.command_bytes, expected.initial_command_bytes());
     for state in &states[1..] {
         stage.commit(state);
         let ledger = stage.device.take_ledger();
@@ -285,6 +285,42 @@ fn ticks_per_byte(link: &str) -> (u64, u64) {
         "pcie4x16" => pcie(160, (128, 130)),
         "pcie5x16" => pcie(320, (128, 130)),
         _ => unreachable!("{link} has no rate here"),
+    }
+}
+
+/// The device makes of the collapses what would have been sent as records: corners counted in the
+/// cluster, birth there, and the cluster.
+#[test]
+fn expanded_records_are_those_of_the_clusters() {
+    for (seed, leaves, roots) in [(1, 2, 2), (2, 40, 3), (3, 90, 30), (4, 300, 2)] {
+        let crown = random_crown(seed, leaves, roots);
+        let stage = Stage::at(Kind::LodfDevice, COMPACT, &crown, &State::FINEST, 1);
+        let named = |wanted: &str| {
+            let mut buffers = stage.device.buffers();
+            let (id, _) = buffers
+                .find(|(_, label)| *label == wanted)
+                .expect("it lives");
+            let bytes = stage.device.inspect_buffer(id).expect("it lives");
+            let words = bytes.as_chunks::<4>().0.iter();
+            words
+                .map(|four| u32::from_le_bytes(*four))
+                .collect::<Vec<_>>()
+        };
+        let (records, numbers) = (named("windowed records"), named("leaf numbers"));
+        let mut found = records.as_chunks::<4>().0.iter();
+        let mut first = 0;
+        for (number, cluster) in (0..).zip(&crown.clusters().clusters) {
+            for record in &cluster.records {
+                let [low, high, birth, of] = *found.next().expect("a record each");
+                let local = [low & 0xffff, low >> 16, high & 0xffff, high >> 16];
+                let corners =
+                    local.map(|local| 4 * numbers[first + local as usize / 4] + local % 4);
+                assert_eq!(corners, crown.sequence().corners()[record.leaf as usize]);
+                assert_eq!((birth, of), (record.birth, number));
+            }
+            first += cluster.ops.len() + 1;
+        }
+        assert!(found.next().is_none(), "and no more");
     }
 }
 

@@ -182,6 +182,12 @@ impl<'f> Expected<'f> {
                 records("counter", 4),
                 records("thresholds", 4 * roots),
             ],
+            Kind::LodfDevice if self.compact => vec![
+                records("collapse operands", 8 * collapses),
+                records("collapse masks", 4 * collapses.div_ceil(8)),
+                records("crown", 4 * (8 + 8 * roots + collapses)),
+                records("detail", 8 + 4 * roots),
+            ],
             Kind::LodfDevice => vec![
                 records("windowed records", (record + 8) * (originals + collapses)),
                 records("crown", 4 * (8 + 8 * roots + collapses)),
@@ -201,6 +207,7 @@ impl<'f> Expected<'f> {
         if self.quantised {
             vertices("vertex grid", 24);
         }
+        sent.retain(|(.., bytes)| *bytes > 0);
         sent
     }
 
@@ -340,6 +347,16 @@ impl<'f> Expected<'f> {
                 (roots, windows)
             }
             (Kind::VdfHost | Kind::VdfIndices | Kind::LodfHost, _) => (self.lists(), 4 * visible),
+        }
+    }
+
+    /// Bytes of the command stream of the first uploads: what is expanded is a compute pass of a
+    /// program, five buffers and a dispatch.
+    pub(crate) fn initial_command_bytes(&self) -> u64 {
+        if self.compact && self.kind == Kind::LodfDevice {
+            8 * (1 + 5) + 16
+        } else {
+            0
         }
     }
 

@@ -24,6 +24,10 @@
 use std::sync::Arc;
 
 use super::super::environment::{INSTANCE_SLOT, Lens, VIEW_SLOT};
+use super::super::expand_pass::{
+    EXPANDED_CROWN_SLOT, EXPANDED_RECORD_SLOT, LEAF_NUMBER_SLOT, MASK_SLOT, OPERAND_SLOT,
+    collapse_bytes, collapse_sizes, expand_groups,
+};
 use super::super::format::LeafBytes;
 use super::super::leaf::{
     COUNT_SLOT, LeafSource, RECORD_SLOT, VERTEX_SLOT, WINDOW_FIRST_VERTEX_SLOT, stamped_words,
@@ -51,8 +55,9 @@ const RECORDS: Cause = Cause::of("records");
 /// LoDF refined by the device.
 ///
 /// Host memory: the structures of [`host_bytes`]. Device memory: the vertices, each leaf's record with
-/// birth and cluster (24 bytes; 16 with a compact record, and then the first vertex of each cluster), and
-/// the [crown](super::super::select_pass), once; for each instance its detail (8 bytes, and 4 a cluster),
+/// birth and cluster (24 bytes; 16 with a compact record), and the [crown](super::super::select_pass), once;
+/// with compact records also the first vertex of each cluster (4 bytes), and what they were
+/// [expanded](super::super::expand_pass) from (8½ bytes a collapse), which is sent in their place; for each instance its detail (8 bytes, and 4 a cluster),
 /// and what the device computes: 4 bytes and 16 bytes of draw arguments a cluster.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Refined {
@@ -70,6 +75,50 @@ impl Refined {
         }
     }
 
+    /// Sends the collapses, and has the device make compact records of them.
+    fn expand(
+        &self,
+        device: &mut Device,
+        lens: Lens,
+        crown: BufferId,
+        numbers: BufferId,
+    ) -> Result<BufferId, GpuError> {
+        let [operands, masks] = collapse_bytes(&self.crown)?;
+        let mut buffer =
+            |label, bytes: &[u8]| filled(device, label, Usage::STORAGE, bytes, RECORDS);
+        let operands = buffer("collapse operands", &operands)?;
+        let masks = buffer("collapse masks", &masks)?;
+        let records = device.create_buffer(&BufferDescriptor {
+            label: "windowed records",
+            size: self.record_size(),
+            usage: Usage::STORAGE,
+            residency: Residency::Device,
+        })?;
+        let mut steps = vec![ComputeStep::Program(lens.expand)];
+        for (slot, buffer) in [
+            (EXPANDED_CROWN_SLOT, crown),
+            (OPERAND_SLOT, operands),
+            (MASK_SLOT, masks),
+            (LEAF_NUMBER_SLOT, numbers),
+            (EXPANDED_RECORD_SLOT, records),
+        ] {
+            steps.push(ComputeStep::Storage { slot, buffer });
+        }
+        let groups = expand_groups(self.crown.sequence().record_count());
+        steps.push(ComputeStep::Dispatch { groups });
+        let label = "expand".to_owned();
+        let pass = Command::Compute(ComputePass { label, steps });
+        device.queue().submit(&[pass])?;
+        Ok(records)
+    }
+
+    /// Bytes of all records.
+    fn record_size(&self) -> u64 {
+        let words = stamped_words(self.leaves.format) as u64;
+        4 * words * u64::from(self.crown.sequence().record_count())
+    }
+
+    /// All records, as wide ones are sent.
     fn record_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (number, cluster) in (0_u32..).zip(&self.crown.clusters().clusters) {
@@ -106,8 +155,19 @@ impl Model for Refined {
         let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
         let mut buffer =
             |label, bytes: &[u8]| filled(device, label, Usage::STORAGE, bytes, RECORDS);
-        let records = buffer("windowed records", &self.record_bytes())?;
         let crown_buffer = buffer("crown", &crown_bytes(crown, leaves.grid_step()))?;
+        let records = match surface.leaf_numbers() {
+            None => filled(
+                device,
+                "windowed records",
+                Usage::STORAGE,
+                &self.record_bytes(),
+                RECORDS,
+            )?,
+            Some(numbers) => self.expand(device, lens, crown_buffer, numbers)?,
+        };
+        let mut buffer =
+            |label, bytes: &[u8]| filled(device, label, Usage::STORAGE, bytes, RECORDS);
         let mut pulled = vec![(VERTEX_SLOT, surface.vertices), (RECORD_SLOT, records)];
         if let Some(bytes) = first_vertex_bytes(crown, leaves) {
             pulled.push((WINDOW_FIRST_VERTEX_SLOT, buffer("first vertices", &bytes)?));
@@ -127,18 +187,20 @@ impl Model for Refined {
     }
 
     fn storage(&self) -> Storage {
-        let sequence = self.crown.sequence();
-        let (records, roots) = (sequence.record_count(), sequence.root_count());
-        let first_vertices = match self.leaves.format.records {
+        let roots = self.crown.sequence().root_count();
+        let compact = match self.leaves.format.records {
             Records::Wide => 0,
-            Records::Compact => 4 * u64::from(roots),
+            Records::Compact => {
+                let first_vertices = 4 * u64::from(roots);
+                first_vertices + collapse_sizes(&self.crown).iter().sum::<u64>()
+            }
         };
         Storage {
             host_bytes: host_size(&self.crown),
             shared_bytes: self.leaves.vertex_size()
                 + self.leaves.key_size()
-                + 4 * stamped_words(self.leaves.format) as u64 * u64::from(records)
-                + first_vertices
+                + self.record_size()
+                + compact
                 + crown_size(&self.crown),
             instance_bytes: 8 + (4 + 4 + IndirectRecord::STRIDE) * u64::from(roots),
             // In a uniform state; a variable one has its own number of each cluster.
