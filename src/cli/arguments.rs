@@ -155,6 +155,12 @@ pub(super) struct SweepOptions {
     /// Steps from full detail to the coarsest
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) steps: u32,
+    /// Also tell what the levels do to the picture: covered pixels, silhouettes, FLIP, SSIM
+    #[arg(long)]
+    pub(super) quality: bool,
+    /// Levels to look at beyond full detail, evenly chosen from the steps
+    #[arg(long, value_name = "N", requires = "quality", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(super) quality_steps: u32,
 }
 
 #[derive(Debug, Args)]

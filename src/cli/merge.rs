@@ -26,8 +26,10 @@ pub(super) fn merge(
             let rows = (&rows[..], path.as_ref());
             run::closing(rows, header.link, target, shared, terminal)
         }
-        Merged::Sweep { header, sweep } => {
-            sweep::closing(&header, &sweep, target, shared, terminal)
-        }
+        Merged::Sweep {
+            header,
+            sweep,
+            quality,
+        } => sweep::closing(&header, &sweep, quality.as_ref(), target, shared, terminal),
     }
 }

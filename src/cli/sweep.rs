@@ -11,9 +11,10 @@ use crate::gpu::Card;
 use crate::models::TrunkKind;
 use crate::raster::Counters;
 use crate::report::{
-    OutputFolder, SweepHeader, sweep_json, sweep_text, write_sweep, write_sweep_shard,
+    OutputFolder, QualityMeter, SweepHeader, SweepQuality, SweepShare, sweep_json, sweep_text,
+    write_sweep, write_sweep_shard,
 };
-use crate::run::{self, Shard, Sweep, Variant};
+use crate::run::{self, LookOptions, Shard, Sweep, Variant};
 
 pub(super) fn sweep(
     options: &SweepOptions,
@@ -45,27 +46,50 @@ pub(super) fn sweep(
         session: prepared.options,
     };
     let sweep = run::sweep(&prepared.scene, &prepared.world, &walk, &progress)?;
+    let quality = match options.quality {
+        false => None,
+        true => {
+            let look = LookOptions {
+                steps: options.steps,
+                looks: options.quality_steps,
+                shard: options.drawing.shard.unwrap_or(Shard::WHOLE),
+                session: prepared.options,
+            };
+            let mut meter = QualityMeter::default();
+            let take = |look| -> Result<(), CliError> { Ok(meter.add(look)?) };
+            run::looks(&prepared.scene, &prepared.world, &look, &progress, take)?;
+            Some(meter.finish())
+        }
+    };
     drop(progress);
-    write_sweep(&output, &header, &sweep)?;
+    let quality = quality.as_ref();
+    write_sweep(&output, &header, &sweep, quality)?;
     if let Some(shard) = options.drawing.shard {
-        write_sweep_shard(&output, &header, shard, options.steps, &sweep)?;
+        let looks = options.quality.then_some(options.quality_steps);
+        let share = SweepShare {
+            shard,
+            steps: options.steps,
+            looks,
+        };
+        write_sweep_shard(&output, &header, share, &sweep, quality)?;
     }
     output.commit()?;
-    closing(&header, &sweep, &target, shared, terminal)
+    closing(&header, &sweep, quality, &target, shared, terminal)
 }
 
 /// Says what a walk cost and where it lies.
 pub(super) fn closing(
     header: &SweepHeader,
     sweep: &Sweep,
+    quality: Option<&SweepQuality>,
     target: &Path,
     shared: &Shared,
     terminal: &Terminal,
 ) -> Result<(), CliError> {
     if shared.json {
-        return terminal.print(&sweep_json(header, sweep));
+        return terminal.print(&sweep_json(header, sweep, quality));
     }
-    let mut text = sweep_text(sweep, terminal.width());
+    let mut text = sweep_text(sweep, quality, terminal.width());
     text.push_str(&format!(
         "\n{}: plots, tables and report.html\n",
         target.display()

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Of these pieces [`RunFolder`] makes what `run` leaves, [`write_sweep`] what `sweep` leaves, and
-//! [`storage_report`] what `storage` prints.
+//! [`storage_report`] what `storage` prints. [`QualityMeter`] judges pictures of levels.
 //!
 //! **Invariant.** The bytes of a report are a function of what is reported: nothing in them names
 //! a host, path, clock, thread or the order in which things were done. A folder is there whole or
@@ -24,6 +24,7 @@ mod html;
 mod image;
 mod number;
 mod plot;
+mod quality;
 mod run;
 mod shard;
 mod staging;
@@ -45,19 +46,22 @@ pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
 pub use number::{decimal, grouped};
 pub use plot::{Plot, Series};
+pub use quality::{
+    PictureView, QualityMeter, QualitySummary, Spread, StepQuality, SweepQuality, ViewQuality,
+};
 pub use run::{
     ComputeEntry, FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, LEDGER_SCHEMA, LedgerEntry,
     LedgerHead, NO_NUMBER, OpsReader, PING_PONG_FRAMES, PathEntry, RunFolder, RunHeader, RunLedger,
     ShareEntry, TrafficEntry, WorkEntry, frame_layers, run_notes, run_table,
 };
-pub use shard::{Merged, RunShare, SHARD_SCHEMA, merge, write_sweep_shard};
+pub use shard::{Merged, RunShare, SHARD_SCHEMA, SweepShare, merge, write_sweep_shard};
 pub use storage::{
     Accounting, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport,
     is_paper_tree, storage_report,
 };
 pub use sweep::{
-    SWEEP_SCHEMA, SweepHeader, sweep_csv, sweep_json, sweep_markdown, sweep_notes, sweep_page,
-    sweep_plots, sweep_table, sweep_text, write_sweep,
+    SWEEP_SCHEMA, SweepHeader, quality_notes, quality_plots, quality_table, sweep_csv, sweep_json,
+    sweep_markdown, sweep_notes, sweep_page, sweep_plots, sweep_table, sweep_text, write_sweep,
 };
 pub use table::{Align, Cell, Column, Table, csv_row};
 

@@ -10,6 +10,7 @@
 
 mod cache;
 mod crowns;
+mod looks;
 mod mass;
 mod plants;
 mod progress;
@@ -17,16 +18,19 @@ mod selector;
 mod session;
 mod shard;
 mod sweep;
+mod views;
 mod world;
 
 pub use cache::{CacheLimit, ModelCache};
 pub use crowns::CrownStore;
-pub use mass::{Mass, directions, mass};
+pub use looks::{Look, LookOptions, Subject, looked_at, looks};
+pub use mass::{Mass, mass};
 pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};
 pub use progress::{Progress, Silent};
 pub use session::{Frame, Owner, Session, SessionOptions};
 pub use shard::Shard;
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
+pub use views::{Shot, VIEW_SIDE, Views, directions};
 pub use world::{StandingTree, World, crown};
 
 use crate::document::DocumentError;

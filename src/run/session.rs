@@ -3,6 +3,7 @@
 use super::RunError;
 use super::selector::Selector;
 use super::shard::exact_place;
+use super::views::Shot;
 use super::world::World;
 use crate::gpu::{
     Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, ProbedFragment, RenderPass,
@@ -682,6 +683,19 @@ impl<'w> Session<'w> {
             self.view = Some(view);
         }
         Ok(())
+    }
+
+    /// What a frame's camera sees as it is committed, counted by nobody.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn shot(&mut self, frame: u32) -> Result<Shot, RunError> {
+        self.set_view(frame)?;
+        let pass = self.pass();
+        self.device.queue().submit(&[Command::Render(pass)])?;
+        self.device.take_ledger();
+        Ok(Shot::of(self.device.inspect_target(self.target)?))
     }
 
     /// How many pixels show a leaf, by their first sample.

@@ -12,7 +12,7 @@ use crate::models::{
     Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, TreeState, TrunkKind,
     TrunkLevel, Vertices,
 };
-use crate::scene::Scene;
+use crate::scene::{ImageSize, Scene};
 use crate::simplify::measure_leaves;
 
 /// A model with the choices that change what it sends.
@@ -297,9 +297,10 @@ pub fn sweep(
     let mut models = Vec::new();
     // What is measured depends on the leaves alone, which all models share.
     let foliage = (Kind::LodfCluster, TrunkKind::FULL);
+    let size = options.session.size;
     let measures: Vec<(f64, u64)> = (0..=options.steps)
         .map(|step| {
-            let states = states_at(scene, world, options, foliage, step);
+            let states = states_at(scene, world, size, foliage, [step, options.steps]);
             measure(world, &states)
         })
         .collect();
@@ -343,13 +344,9 @@ fn walk(
     let resident = session.device().resident_by_label();
     let mut steps = Vec::new();
     for step in 0..=options.steps {
-        let states = states_at(
-            scene,
-            world,
-            options,
-            (variant.kind, session_options.trunk),
-            step,
-        );
+        let kinds = (variant.kind, session_options.trunk);
+        let at = [step, options.steps];
+        let states = states_at(scene, world, session_options.size, kinds, at);
         let change = session.commit_states(&states)?;
         if !options.shard.draws(step) {
             session.forget(0)?;
@@ -385,23 +382,23 @@ fn walk(
 }
 
 /// The states of all trees at a step.
-fn states_at(
+/// What a model's trees show at a step of so many, seen from the camera of frame 0.
+pub(super) fn states_at(
     scene: &Scene,
     world: &World,
-    options: &SweepOptions,
+    size: ImageSize,
     (kind, trunk): (Kind, TrunkKind),
-    step: u32,
+    at: [u32; 2],
 ) -> Vec<TreeState> {
     let selector = Selector::new(kind, &scene.model);
-    let view = scene.camera.at(0, options.session.size);
-    let at = [step, options.steps];
+    let view = scene.camera.at(0, size);
     let state = |tree: &super::StandingTree| {
         let crown = &world.crowns[tree.crown];
         let model = world.trunks[tree.crown].as_ref();
         let model = model.filter(|_| trunk.has_levels());
         TreeState {
             foliage: selector.at_step(crown, tree, &view, at),
-            trunk: model.map_or(TrunkLevel::FINEST, |model| model.level(step, options.steps)),
+            trunk: model.map_or(TrunkLevel::FINEST, |model| model.level(at[0], at[1])),
         }
     };
     world.trees.iter().map(state).collect()

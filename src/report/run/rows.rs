@@ -243,7 +243,7 @@ fn times(others: &Traffic, changes: &Traffic) -> String {
 }
 
 /// At most `most` of the indices below `count`, evenly spread, with the first and the last.
-fn evenly(count: usize, most: usize) -> Vec<usize> {
+pub(in super::super) fn evenly(count: usize, most: usize) -> Vec<usize> {
     let kept = count.min(most.max(2));
     let index = |place: usize| place * (count - 1) / (kept - 1).max(1);
     (0..kept).map(index).collect()

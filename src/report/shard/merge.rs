@@ -4,14 +4,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::read::ShardFile;
-use super::{Job, StepLine};
+use super::{Job, LookLine, StepLine};
 use crate::gpu::Ledger;
 use crate::limits;
 use crate::math::index_u32;
 use crate::report::run::{FrameRow, PathEntry, RunFolder, RunHeader};
 use crate::report::sweep::{SweepHeader, write_sweep};
-use crate::report::{OutputFolder, Picture, ReportError};
-use crate::run::{Frame, Progress, Sweep, SweepModel};
+use crate::report::{OutputFolder, Picture, ReportError, SweepQuality};
+use crate::run::{Frame, Progress, Sweep, SweepModel, looked_at};
 
 /// What was joined.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +31,8 @@ pub enum Merged {
         header: SweepHeader,
         /// All steps of all models.
         sweep: Sweep,
+        /// What the levels do to the picture, if it was asked.
+        quality: Option<SweepQuality>,
     },
 }
 
@@ -70,6 +72,7 @@ pub fn merge(
         Job::Sweep {
             header,
             steps,
+            looks,
             models,
         } => {
             let target = target(&header.scene, true);
@@ -77,9 +80,17 @@ pub fn merge(
             let sweep = Sweep {
                 models: joined_steps(&mut shards, steps, models, progress)?,
             };
-            write_sweep(&folder, &header, &sweep)?;
+            let quality = looks.map(|looks| joined_looks(&mut shards, steps, looks));
+            let quality = quality.transpose()?;
+            ended(&mut shards)?;
+            write_sweep(&folder, &header, &sweep, quality.as_ref())?;
             folder.commit()?;
-            Ok((Merged::Sweep { header, sweep }, target))
+            let merged = Merged::Sweep {
+                header,
+                sweep,
+                quality,
+            };
+            Ok((merged, target))
         }
     }
 }
@@ -202,8 +213,29 @@ fn joined_steps(
         }
         progress.step();
     }
-    ended(shards)?;
     Ok(models)
+}
+
+fn joined_looks(
+    shards: &mut [ShardFile],
+    steps: u32,
+    looks: u32,
+) -> Result<SweepQuality, ReportError> {
+    let mut quality = SweepQuality {
+        plants: 0,
+        steps: Vec::new(),
+    };
+    for step in looked_at(steps, looks) {
+        let shard = shard_of(shards, step);
+        match shard.next::<LookLine>()? {
+            Some(line) if line.look == step => {
+                quality.plants = line.plants;
+                quality.steps.push(line.quality());
+            }
+            _ => return Err(shard.fail(format!("wanted what step {step} does to the picture"))),
+        }
+    }
+    Ok(quality)
 }
 
 /// The shard that drew a frame or step; there is one of every index.

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! `shard.jsonl` holds all that was counted, exactly: first a [head](Head) on a line of its own, then
-//! a line a frame, or a line a model and step. Joining feeds what it says to the same writers that an
+//! a line a frame, or a line a model and step, and one a level that was looked at. Joining feeds what it says to the same writers that an
 //! unsharded run feeds.
 //!
 //! **Invariant.** Nothing is joined that was not made from the same input: heads must be equal but for
@@ -25,8 +25,11 @@ use serde::{Deserialize, Serialize};
 use super::growing::GrowingFile;
 use super::run::{RunHeader, json};
 use super::sweep::SweepHeader;
-use super::{OutputFolder, ReportError};
+use super::{
+    OutputFolder, QualitySummary, ReportError, Spread, StepQuality, SweepQuality, ViewQuality,
+};
 use crate::gpu::Ledger;
+use crate::math::Digest;
 use crate::run::{Frame, Shard, Sweep, SweepModel, SweepStep};
 
 /// The value of `schema` in the first line of `shard.jsonl`.
@@ -63,6 +66,9 @@ enum Job {
     Sweep {
         header: SweepHeader,
         steps: u32,
+        /// How many levels were looked at beyond full detail, if any were.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        looks: Option<u32>,
         /// The models without their steps.
         models: Vec<SweepModel>,
     },
@@ -129,6 +135,17 @@ pub struct RunShare {
     pub layers: bool,
 }
 
+/// Which share of a walk is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SweepShare {
+    /// Which steps.
+    pub shard: Shard,
+    /// The last step of all shards together.
+    pub steps: u32,
+    /// How many levels all shards look at beyond full detail, if any.
+    pub looks: Option<u32>,
+}
+
 /// Writes `shard.jsonl` of a walk.
 ///
 /// # Errors
@@ -137,18 +154,24 @@ pub struct RunShare {
 pub fn write_sweep_shard(
     folder: &OutputFolder,
     header: &SweepHeader,
-    shard: Shard,
-    steps: u32,
+    share: SweepShare,
     sweep: &Sweep,
+    quality: Option<&SweepQuality>,
 ) -> Result<(), ReportError> {
     let mut file = GrowingFile::create(folder, FILE)?;
     let without_steps = |model: &SweepModel| SweepModel {
         steps: Vec::new(),
         ..model.clone()
     };
+    let SweepShare {
+        shard,
+        steps,
+        looks,
+    } = share;
     let job = Job::Sweep {
         header: header.clone(),
         steps,
+        looks,
         models: sweep.models.iter().map(without_steps).collect(),
     };
     file.add(&Head::line(shard, job))?;
@@ -158,5 +181,77 @@ pub fn write_sweep_shard(
             file.add(&(json(&StepLine { model, step }) + "\n"))?;
         }
     }
+    if let Some(quality) = quality {
+        // Every shard looks at full detail; one tells of it.
+        for step in quality.steps.iter().filter(|step| shard.draws(step.step)) {
+            file.add(&(json(&LookLine::of(quality.plants, step)) + "\n"))?;
+        }
+    }
     file.finish()
+}
+
+/// A line of a walk: a level that was looked at. Measures are their bits, as in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LookLine {
+    plants: usize,
+    look: u32,
+    image_digest: Digest,
+    frame: [u64; 3],
+    frame_ssim: Option<u64>,
+    leaf_area: u64,
+    covered: [u64; 2],
+    silhouette: [u64; 2],
+    flip: [u64; 2],
+    ssim: [u64; 2],
+}
+
+impl LookLine {
+    fn of(plants: usize, step: &StepQuality) -> Self {
+        let ViewQuality {
+            covered,
+            silhouette,
+            flip,
+            ssim,
+        } = step.frame;
+        let spread = |spread: Spread| [spread.mean, spread.worst].map(f64::to_bits);
+        let foliage = &step.foliage;
+        Self {
+            plants,
+            look: step.step,
+            image_digest: step.image_digest,
+            frame: [covered, silhouette, flip].map(f64::to_bits),
+            frame_ssim: ssim.map(f64::to_bits),
+            leaf_area: step.leaf_area.to_bits(),
+            covered: spread(foliage.covered),
+            silhouette: spread(foliage.silhouette),
+            flip: spread(foliage.flip),
+            ssim: spread(foliage.ssim),
+        }
+    }
+
+    fn quality(&self) -> StepQuality {
+        let [covered, silhouette, flip] = self.frame.map(f64::from_bits);
+        let spread = |bits: [u64; 2]| {
+            let [mean, worst] = bits.map(f64::from_bits);
+            Spread { mean, worst }
+        };
+        StepQuality {
+            step: self.look,
+            image_digest: self.image_digest,
+            frame: ViewQuality {
+                covered,
+                silhouette,
+                flip,
+                ssim: self.frame_ssim.map(f64::from_bits),
+            },
+            leaf_area: f64::from_bits(self.leaf_area),
+            foliage: QualitySummary {
+                covered: spread(self.covered),
+                silhouette: spread(self.silhouette),
+                flip: spread(self.flip),
+                ssim: spread(self.ssim),
+            },
+        }
+    }
 }

@@ -7,19 +7,26 @@
 //!        └─ sweep_page ─────────────▶ report.html
 //! ```
 //!
+//! With a [`SweepQuality`] each also tells what the levels do to the picture; without, all files are
+//! the same byte for byte as if there were no such thing.
+//!
 //! **Invariant.** "Changes" are uploads but for the view's, which follow the camera. Bytes of
 //! different streams are never added; modelled times are.
 
 mod plots;
+mod quality;
 mod table;
 
 pub use plots::sweep_plots;
+pub use quality::{quality_notes, quality_plots, quality_table};
 pub use table::{sweep_markdown, sweep_notes, sweep_table, sweep_text};
 
 use serde::Serialize;
 
+use self::quality::{QualityEntry, quality_cells, quality_columns, quality_sections};
+
 use super::run::{LedgerEntry, TrafficEntry, json};
-use super::{Cell, Column, OutputFolder, Page, ReportError, Section, Table};
+use super::{Cell, Column, OutputFolder, Page, ReportError, Section, SweepQuality, Table};
 use crate::gpu::{Card, Link, nanoseconds};
 use crate::run::{Sweep, SweepModel, SweepStep};
 
@@ -57,6 +64,8 @@ struct StepEntry {
     frame_ns: Option<u64>,
     #[serde(flatten)]
     shown: Option<Shown>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quality: Option<QualityEntry>,
 }
 
 /// What only a step has.
@@ -91,6 +100,7 @@ impl StepEntry {
                 leaf_area: step.leaf_area,
                 folded_leaves: step.folded_leaves,
             }),
+            quality: None,
         }
     }
 
@@ -117,14 +127,21 @@ impl StepEntry {
 }
 
 /// The steps with their place on the axis of detail.
-fn entries(model: &SweepModel) -> Vec<StepEntry> {
-    model.steps.iter().map(StepEntry::of).collect()
+fn entries(model: &SweepModel, quality: Option<&SweepQuality>) -> Vec<StepEntry> {
+    let entry = |step| StepEntry {
+        quality: quality
+            .and_then(|quality| quality.of(model, step))
+            .map(QualityEntry::of),
+        ..StepEntry::of(step)
+    };
+    model.steps.iter().map(entry).collect()
 }
 
 /// `sweep.json`: one step a line. The sums of the steps are sums of what the file says of them.
 #[must_use]
-pub fn sweep_json(header: &SweepHeader, sweep: &Sweep) -> String {
-    let models: Vec<String> = sweep.models.iter().map(model_json).collect();
+pub fn sweep_json(header: &SweepHeader, sweep: &Sweep, quality: Option<&SweepQuality>) -> String {
+    let models = sweep.models.iter();
+    let models: Vec<String> = models.map(|model| model_json(model, quality)).collect();
     let (schema, scene) = (json(&SWEEP_SCHEMA), json(&header.scene));
     let (link, card) = (json(&header.link.name()), json(&header.card.name()));
     let models = models.join(",");
@@ -133,8 +150,8 @@ pub fn sweep_json(header: &SweepHeader, sweep: &Sweep) -> String {
     )
 }
 
-fn model_json(model: &SweepModel) -> String {
-    let entries = entries(model);
+fn model_json(model: &SweepModel, quality: Option<&SweepQuality>) -> String {
+    let entries = entries(model, quality);
     let mut totals = StepEntry::default();
     entries.iter().for_each(|entry| totals.add(entry));
     let steps: Vec<String> = entries
@@ -150,9 +167,10 @@ fn model_json(model: &SweepModel) -> String {
     )
 }
 
-/// `sweep.csv`: a row a model and step. `changes` are the uploads but for the view's.
+/// `sweep.csv`: a row a model and step. `changes` are the uploads but for the view's. What levels do to
+/// the picture stands in columns at the end, if that was asked.
 #[must_use]
-pub fn sweep_csv(sweep: &Sweep) -> String {
+pub fn sweep_csv(sweep: &Sweep, quality: Option<&SweepQuality>) -> String {
     let numbers = [
         "step",
         "level",
@@ -181,8 +199,20 @@ pub fn sweep_csv(sweep: &Sweep) -> String {
     columns.extend(numbers.into_iter().map(Column::numbers));
     columns.push(Column::words("image_digest"));
     columns.extend(shown.into_iter().map(Column::numbers));
+    if quality.is_some() {
+        columns.extend(quality_columns());
+    }
+    let row = |model, step| {
+        let mut cells = csv_cells(model, step);
+        cells.extend(
+            quality
+                .into_iter()
+                .flat_map(|quality| quality_cells(quality.of(model, step))),
+        );
+        cells
+    };
     let models = sweep.models.iter();
-    let rows = models.flat_map(|model| model.steps.iter().map(|step| csv_cells(model, step)));
+    let rows = models.flat_map(|model| model.steps.iter().map(move |step| row(model, step)));
     Table {
         columns,
         rows: rows.collect(),
@@ -248,7 +278,11 @@ fn changes(step: &SweepStep) -> u64 {
 /// # Errors
 ///
 /// When the page is larger than a page may be.
-pub fn sweep_page(header: &SweepHeader, sweep: &Sweep) -> Result<String, ReportError> {
+pub fn sweep_page(
+    header: &SweepHeader,
+    sweep: &Sweep,
+    quality: Option<&SweepQuality>,
+) -> Result<String, ReportError> {
     let steps = sweep.models.first().map_or(0, |model| model.steps.len());
     let mut sections = vec![
         Section::Text(format!(
@@ -271,6 +305,11 @@ pub fn sweep_page(header: &SweepHeader, sweep: &Sweep) -> Result<String, ReportE
     sections.push(Section::Heading("Along the axis of detail".to_owned()));
     let plots = sweep_plots(sweep).into_iter();
     sections.extend(plots.map(|(_, plot)| Section::Figure(plot.to_svg())));
+    sections.extend(
+        quality
+            .into_iter()
+            .flat_map(|quality| quality_sections(sweep, quality)),
+    );
     sections.push(Section::Heading("Device memory at full detail".to_owned()));
     sections.push(Section::Table {
         caption: String::new(),
@@ -326,12 +365,20 @@ pub fn write_sweep(
     folder: &OutputFolder,
     header: &SweepHeader,
     sweep: &Sweep,
+    quality: Option<&SweepQuality>,
 ) -> Result<(), ReportError> {
-    folder.write("sweep.json", sweep_json(header, sweep).as_bytes())?;
-    folder.write("sweep.csv", sweep_csv(sweep).as_bytes())?;
-    for (name, plot) in sweep_plots(sweep) {
+    let (json, csv) = (
+        sweep_json(header, sweep, quality),
+        sweep_csv(sweep, quality),
+    );
+    folder.write("sweep.json", json.as_bytes())?;
+    folder.write("sweep.csv", csv.as_bytes())?;
+    let mut plots = sweep_plots(sweep);
+    plots.extend(quality.into_iter().flat_map(quality_plots));
+    for (name, plot) in plots {
         folder.write(&format!("plots/{name}.svg"), plot.to_svg().as_bytes())?;
     }
-    folder.write("table.md", sweep_markdown(sweep).as_bytes())?;
-    folder.write("report.html", sweep_page(header, sweep)?.as_bytes())
+    folder.write("table.md", sweep_markdown(sweep, quality).as_bytes())?;
+    let page = sweep_page(header, sweep, quality)?;
+    folder.write("report.html", page.as_bytes())
 }

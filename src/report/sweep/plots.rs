@@ -149,7 +149,7 @@ fn distinct(lines: Vec<Series>) -> Vec<Series> {
     kept.into_iter().map(named).collect()
 }
 
-fn plot(title: &str, label: &str, scale: Scale, series: Vec<Series>) -> Plot {
+pub(super) fn plot(title: &str, label: &str, scale: Scale, series: Vec<Series>) -> Plot {
     Plot {
         title: title.to_owned(),
         x: Axis {

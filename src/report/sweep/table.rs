@@ -1,10 +1,10 @@
 //! All models of a walk in one table, and what it says.
 
-use super::changes;
+use super::{changes, quality_notes, quality_table};
 use crate::gpu::{Link, Stream};
 use crate::models::Kind;
 use crate::report::run::{microseconds, note};
-use crate::report::{Cell, Column, Table, decimal, grouped};
+use crate::report::{Cell, Column, SweepQuality, Table, decimal, grouped};
 use crate::run::{Sweep, SweepModel, Variant};
 
 /// What the columns mean.
@@ -12,6 +12,9 @@ pub(super) const CAPTION: &str = "First upload: everything before step 0. Payloa
      wire bytes are those of changes of detail over all steps, without the view; fetched is what \
      draws pulled from host memory, times are modelled for both; resident is the device memory in \
      use at the begin.";
+
+/// Levels in the terminal's table of what they do to the picture.
+const TEXT_LEVELS: usize = 11;
 
 /// The links of the table: those of the papers' years, and a new one.
 const LINKS: [(&str, &str); 3] = [
@@ -74,27 +77,39 @@ fn cells(model: &SweepModel) -> Vec<Cell> {
 }
 
 /// The table for a terminal of so many columns, in several parts where it does not fit, then the
-/// notes.
+/// notes; then what levels do to the picture, if that was asked.
 #[must_use]
-pub fn sweep_text(sweep: &Sweep, width: usize) -> String {
-    let table = sweep_table(sweep);
+pub fn sweep_text(sweep: &Sweep, quality: Option<&SweepQuality>, width: usize) -> String {
+    let mut texts = parts(&sweep_table(sweep), width);
+    texts.push(lines(sweep_notes(sweep), ""));
+    if let Some(quality) = quality {
+        texts.extend(parts(&quality_table(quality, TEXT_LEVELS), width));
+        texts.push(lines(quality_notes(sweep, quality), ""));
+    }
+    texts.join("\n")
+}
+
+/// A table as texts that are not wider, each with the first column.
+fn parts(table: &Table, width: usize) -> Vec<String> {
     let mut parts = Vec::new();
     let mut next = 1;
     while next < table.columns.len() {
         // As many columns as fit side by side with the model's whole name.
         let fits = |end: &usize| {
-            let text = part(&table, next, *end).to_text(usize::MAX);
+            let text = part(table, next, *end).to_text(usize::MAX);
             text.lines().all(|line| line.chars().count() <= width)
         };
         let mut ends = (next + 1..=table.columns.len()).rev();
         let end = ends.find(fits).unwrap_or(next + 1);
-        parts.push(part(&table, next, end).to_text(width));
+        parts.push(part(table, next, end).to_text(width));
         next = end;
     }
-    let notes = sweep_notes(sweep);
-    let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
-    parts.push(notes);
-    parts.join("\n")
+    parts
+}
+
+fn lines(notes: Vec<String>, mark: &str) -> String {
+    let notes = notes.into_iter();
+    notes.map(|note| format!("{mark}{note}\n")).collect()
 }
 
 /// The first column and some others.
@@ -107,12 +122,19 @@ fn part(table: &Table, from: usize, to: usize) -> Table {
     }
 }
 
-/// The table and the notes in Markdown.
+/// The table and the notes in Markdown; then what levels do to the picture, if that was asked.
 #[must_use]
-pub fn sweep_markdown(sweep: &Sweep) -> String {
-    let notes = sweep_notes(sweep);
-    let notes: String = notes.iter().map(|note| format!("- {note}\n")).collect();
-    format!("{}\n{CAPTION}\n\n{notes}", sweep_table(sweep).to_markdown())
+pub fn sweep_markdown(sweep: &Sweep, quality: Option<&SweepQuality>) -> String {
+    let notes = lines(sweep_notes(sweep), "- ");
+    let mut text = format!("{}\n{CAPTION}\n\n{notes}", sweep_table(sweep).to_markdown());
+    if let Some(quality) = quality {
+        text += &format!(
+            "\n{}\n{}",
+            quality_table(quality, usize::MAX).to_markdown(),
+            lines(quality_notes(sweep, quality), "- ")
+        );
+    }
+    text
 }
 
 /// How the modes of LoDF compare: what they send, and from where on a larger first upload has paid

@@ -165,7 +165,7 @@ fn threads_leave_no_trace() {
         with_threads(threads, || {
             run_into(&target.join("run"), &scene("slots", "variable"));
             let folder = OutputFolder::create(&target.join("sweep")).unwrap();
-            write_sweep(&folder, &sweep_header(), &tiny_sweep()).unwrap();
+            write_sweep(&folder, &sweep_header(), &tiny_sweep(), None).unwrap();
             folder.commit().unwrap();
         });
         files(&target)

@@ -4,10 +4,14 @@ use serde_json::Value;
 use spinney::gpu::{Card, Link};
 use spinney::models::Kind;
 use spinney::report::{
-    Accounting, OutputFolder, PrintedSize, StorageReport, SweepHeader, storage_report, sweep_notes,
-    sweep_table, sweep_text, write_sweep,
+    Accounting, OutputFolder, PrintedSize, QualityMeter, QualitySummary, StorageReport,
+    SweepHeader, SweepQuality, SweepShare, ViewQuality, merge, quality_notes, storage_report,
+    sweep_notes, sweep_table, sweep_text, write_sweep, write_sweep_shard,
 };
-use spinney::run::{SessionOptions, Shard, Silent, Sweep, SweepOptions, Variant, sweep};
+use spinney::run::{
+    Look, LookOptions, RunError, SessionOptions, Shard, Silent, Subject, Sweep, SweepOptions,
+    Variant, looks, sweep,
+};
 
 use super::{assert_self_contained, files, keys_in_order, options, read, scene, words, world};
 use crate::support::{OPTIONS, random_crown};
@@ -21,11 +25,15 @@ pub(super) fn sweep_header() -> SweepHeader {
 }
 
 pub(super) fn tiny_sweep() -> Sweep {
+    sweep_share(Shard::WHOLE)
+}
+
+fn sweep_share(shard: Shard) -> Sweep {
     let scene = scene("cluster", "uniform");
     let options = SweepOptions {
         variants: Variant::ALL.to_vec(),
         steps: 4,
-        shard: Shard::WHOLE,
+        shard,
         session: SessionOptions {
             // Some variants compute.
             card: sweep_header().card,
@@ -44,7 +52,7 @@ fn sweeps_have_the_keys_of_the_contract_and_all_files() {
     let target = root.path().join("sweep");
     let sweep = tiny_sweep();
     let folder = OutputFolder::create(&target).unwrap();
-    write_sweep(&folder, &sweep_header(), &sweep).unwrap();
+    write_sweep(&folder, &sweep_header(), &sweep, None).unwrap();
     folder.commit().unwrap();
     let names: Vec<String> = files(&target).into_keys().collect();
     let wanted = ".spinney plots/covered.svg plots/cumulated.svg plots/frame-time.svg \
@@ -95,6 +103,131 @@ fn sweeps_have_the_keys_of_the_contract_and_all_files() {
     assert!(read(&target, "table.md").starts_with("| model | first upload, B | payload, B |"));
 }
 
+/// The tiny scene's levels 0 and 4, held against full detail; of the foliage two views only.
+fn tiny_quality() -> SweepQuality {
+    let scene = scene("cluster", "uniform");
+    let options = LookOptions {
+        steps: 4,
+        looks: 1,
+        shard: Shard::WHOLE,
+        session: options(&scene),
+    };
+    let mut meter = QualityMeter::default();
+    let take = |mut look: Look| -> Result<(), RunError> {
+        let pictures = match look.subject {
+            Subject::Scene => 1,
+            Subject::Plant(_) => 26,
+        };
+        assert_eq!(look.shots.len(), pictures, "{:?}", look.subject);
+        look.shots.truncate(2);
+        meter.add(look).expect("pictures of one size");
+        Ok(())
+    };
+    looks(&scene, &world(), &options, &Silent, take).expect("memory suffices");
+    meter.finish()
+}
+
+#[test]
+fn quality_is_the_same_for_all_models_and_told_in_every_form() {
+    let root = tempfile::tempdir().unwrap();
+    let target = root.path().join("sweep");
+    let (sweep, quality) = (tiny_sweep(), tiny_quality());
+    let [full, coarse] = &quality.steps[..] else {
+        panic!("two levels, not {}", quality.steps.len());
+    };
+    assert_eq!((full.step, coarse.step, quality.plants), (0, 4, 1));
+    let perfect = ViewQuality {
+        covered: 1.0,
+        silhouette: 0.0,
+        flip: 0.0,
+        ssim: Some(1.0),
+    };
+    assert_eq!(full.frame, perfect);
+    assert_eq!(full.foliage, QualitySummary::of(&[perfect]));
+    assert!(coarse.frame.flip > 0.0 && coarse.foliage.silhouette.mean > 0.0);
+    let notes = quality_notes(&sweep, &quality);
+    let agreement = "At all 2 levels that were looked at, all 11 models show the same picture of the \
+        scene, bit for bit.";
+    assert_eq!(notes[1], agreement);
+
+    let folder = OutputFolder::create(&target).unwrap();
+    write_sweep(&folder, &sweep_header(), &sweep, Some(&quality)).unwrap();
+    folder.commit().unwrap();
+    let value: Value = serde_json::from_str(&read(&target, "sweep.json")).unwrap();
+    for model in value["models"].as_array().unwrap() {
+        let steps = model["steps"].as_array().unwrap();
+        let has = steps.iter().map(|step| step.get("quality").is_some());
+        assert_eq!(has.collect::<Vec<_>>(), [true, false, false, false, true]);
+        let looked_at = match model["model"] == "full" {
+            true => full,
+            false => coarse,
+        };
+        let last = &steps[4]["quality"];
+        assert_eq!(last["flip"]["mean"], looked_at.foliage.flip.mean);
+        assert_eq!(last["frame"]["flip"], looked_at.frame.flip);
+    }
+    let csv = read(&target, "sweep.csv");
+    let columns = csv.lines().map(|line| line.split(',').count());
+    assert!(columns.into_iter().all(|count| count == 26 + 13), "{csv}");
+    for name in ["area", "covered", "silhouette", "flip", "ssim"] {
+        let plot = read(&target, &format!("plots/quality-{name}.svg"));
+        assert!(!plot.contains("nothing to show"), "{name}");
+    }
+    assert_self_contained(&read(&target, "report.html"));
+    assert!(read(&target, "table.md").contains("| detail | area | covered |"));
+    let text = sweep_text(&sweep, Some(&quality), 80);
+    assert!(text.contains("1 (1)"), "{text}");
+}
+
+#[test]
+fn joined_shards_tell_of_the_levels_what_all_tell() {
+    let root = tempfile::tempdir().unwrap();
+    let quality = tiny_quality();
+    let write = |name: &str, sweep: &Sweep, quality: &SweepQuality, shard: Option<Shard>| {
+        let target = root.path().join(name);
+        let folder = OutputFolder::create(&target).unwrap();
+        write_sweep(&folder, &sweep_header(), sweep, Some(quality)).unwrap();
+        if let Some(shard) = shard {
+            let share = SweepShare {
+                shard,
+                steps: 4,
+                looks: Some(1),
+            };
+            write_sweep_shard(&folder, &sweep_header(), share, sweep, Some(quality)).unwrap();
+        }
+        folder.commit().unwrap();
+        target
+    };
+    let whole = write("whole", &tiny_sweep(), &quality, None);
+    let shards = [0, 1, 2].map(|index| {
+        let shard = Shard { index, count: 3 };
+        let mut own = quality.clone();
+        own.steps
+            .retain(|step| step.step == 0 || shard.draws(step.step));
+        write(&index.to_string(), &sweep_share(shard), &own, Some(shard))
+    });
+    let target = root.path().join("merged");
+    merge(&shards, |_, _| target.clone(), &Silent).unwrap();
+    assert!(
+        files(&whole) == files(&target),
+        "the same files with the same bytes"
+    );
+}
+
+#[test]
+fn a_model_that_shows_something_else_is_named_and_not_judged() {
+    let (mut sweep, quality) = (tiny_sweep(), tiny_quality());
+    sweep.models[3].steps[4].image_digest = sweep.models[3].steps[0].image_digest;
+    let model = &sweep.models[3];
+    assert_eq!(quality.of(model, &model.steps[4]), None);
+    let label = model.variant.label();
+    let notes = quality_notes(&sweep, &quality);
+    assert!(
+        notes[1].ends_with(&format!("{label} from step 4 on.")),
+        "{notes:#?}"
+    );
+}
+
 #[test]
 fn sweep_table_counts_changes_without_the_view() {
     let sweep = tiny_sweep();
@@ -134,7 +267,7 @@ fn sweep_table_counts_changes_without_the_view() {
     let wanted = "First upload: lodf-stamps sends 360 B more than lodf-cluster; with its changes it \
         has paid off at step 1 of 4.";
     assert_eq!(notes[5], wanted);
-    let text = sweep_text(&sweep, 80);
+    let text = sweep_text(&sweep, None, 80);
     assert!(
         text.lines()
             .take_while(|line| !line.starts_with("Changes"))

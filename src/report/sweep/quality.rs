@@ -1,0 +1,288 @@
+//! What the levels of a walk do to the picture, in every form in which a walk is told.
+
+use serde::Serialize;
+
+use super::plots::plot;
+use crate::report::run::evenly;
+use crate::report::{
+    Cell, Column, Plot, QualitySummary, Scale, Section, Series, Spread, StepQuality, SweepQuality,
+    Table, ViewQuality, decimal, grouped,
+};
+use crate::run::{Sweep, SweepModel, VIEW_SIDE, directions};
+
+/// What the measures mean.
+const CAPTION: &str = "Each level against full detail. Area is that of the leaves; covered are pixels \
+     that show a leaf; silhouette are pixels that show one in one of the two pictures alone, as a \
+     share of those at full detail; FLIP is the difference that is seen, 0 none, the mean over whole \
+     pictures; SSIM is structural similarity, 1 equal. Of several views the mean, and in brackets the \
+     worst.";
+
+/// A step's `quality` in `sweep.json`; fields in the order of the file.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct QualityEntry {
+    leaf_area: f64,
+    covered: SpreadEntry,
+    silhouette: SpreadEntry,
+    flip: SpreadEntry,
+    ssim: SpreadEntry,
+    frame: FrameEntry,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct SpreadEntry {
+    mean: f64,
+    worst: f64,
+}
+
+/// The scene's own picture.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct FrameEntry {
+    covered: f64,
+    silhouette: f64,
+    flip: f64,
+    ssim: Option<f64>,
+}
+
+impl QualityEntry {
+    pub(super) fn of(step: &StepQuality) -> Self {
+        let spread = |Spread { mean, worst }| SpreadEntry { mean, worst };
+        let QualitySummary {
+            covered,
+            silhouette,
+            flip,
+            ssim,
+        } = step.foliage;
+        let frame = step.frame;
+        Self {
+            leaf_area: step.leaf_area,
+            covered: spread(covered),
+            silhouette: spread(silhouette),
+            flip: spread(flip),
+            ssim: spread(ssim),
+            frame: FrameEntry {
+                covered: frame.covered,
+                silhouette: frame.silhouette,
+                flip: frame.flip,
+                ssim: frame.ssim,
+            },
+        }
+    }
+}
+
+/// The columns of `sweep.csv`.
+pub(super) fn quality_columns() -> impl Iterator<Item = Column> {
+    let names = [
+        "area_share",
+        "covered_mean",
+        "covered_worst",
+        "silhouette_mean",
+        "silhouette_worst",
+        "flip_mean",
+        "flip_worst",
+        "ssim_mean",
+        "ssim_worst",
+        "frame_covered",
+        "frame_silhouette",
+        "frame_flip",
+        "frame_ssim",
+    ];
+    names.into_iter().map(Column::numbers)
+}
+
+/// A step's cells in these columns.
+pub(super) fn quality_cells(step: Option<&StepQuality>) -> Vec<Cell> {
+    let Some(step) = step else {
+        return vec![Cell::Missing; quality_columns().count()];
+    };
+    let number = |value| Cell::Number { value, digits: 6 };
+    let QualitySummary {
+        covered,
+        silhouette,
+        flip,
+        ssim,
+    } = step.foliage;
+    let mut cells = vec![number(step.leaf_area)];
+    for Spread { mean, worst } in [covered, silhouette, flip, ssim] {
+        cells.extend([mean, worst].map(number));
+    }
+    let ViewQuality {
+        covered,
+        silhouette,
+        flip,
+        ssim,
+    } = step.frame;
+    cells.extend([covered, silhouette, flip].map(number));
+    cells.push(ssim.map_or(Cell::Missing, number));
+    cells
+}
+
+/// A row a level that was looked at; of more than `most` only some, evenly chosen, with both ends.
+#[must_use]
+pub fn quality_table(quality: &SweepQuality, most: usize) -> Table {
+    let headings = [
+        "detail",
+        "area",
+        "covered",
+        "silhouette",
+        "FLIP",
+        "SSIM",
+        "FLIP, scene",
+        "SSIM, scene",
+    ];
+    let rows = evenly(quality.steps.len(), most).into_iter();
+    Table {
+        columns: headings.into_iter().map(Column::numbers).collect(),
+        rows: rows
+            .map(|index| table_cells(quality, &quality.steps[index]))
+            .collect(),
+    }
+}
+
+fn table_cells(quality: &SweepQuality, step: &StepQuality) -> Vec<Cell> {
+    let number = |value, digits| Cell::Number { value, digits };
+    let spread = |Spread { mean, worst }| {
+        let [mean, worst] = [mean, worst].map(|value| decimal(value, 3));
+        Cell::Text(format!("{mean} ({worst})"))
+    };
+    let foliage = &step.foliage;
+    let (flip, ssim) = (step.frame.flip, step.frame.ssim);
+    vec![
+        number(detail(quality, step), 3),
+        number(step.leaf_area, 3),
+        spread(foliage.covered),
+        spread(foliage.silhouette),
+        spread(foliage.flip),
+        spread(foliage.ssim),
+        number(flip, 4),
+        ssim.map_or(Cell::Missing, |ssim| number(ssim, 4)),
+    ]
+}
+
+/// Where a step stands: 0 is full detail, 1 the coarsest.
+fn detail(quality: &SweepQuality, step: &StepQuality) -> f64 {
+    let last = quality.steps.last().map_or(1, |last| last.step.max(1));
+    f64::from(step.step) / f64::from(last)
+}
+
+/// From where foliage was seen, and whether all models show the same.
+#[must_use]
+pub fn quality_notes(sweep: &Sweep, quality: &SweepQuality) -> Vec<String> {
+    let plants = match quality.plants {
+        1 => "the plant".to_owned(),
+        more => format!("each of {} plants", grouped(more as u64, ",")),
+    };
+    let seen = format!(
+        "Foliage alone: {plants} from {} fixed directions, {VIEW_SIDE} × {VIEW_SIDE} pixels with the \
+         leaves' sphere at 90 %. The scene: from its own camera at frame 0.",
+        directions().len()
+    );
+    vec![seen, agreement(sweep, quality)]
+}
+
+fn agreement(sweep: &Sweep, quality: &SweepQuality) -> String {
+    let first_other = |model: &&SweepModel| {
+        let mut steps = model.steps.iter();
+        let other = steps.find(|step| quality.agrees(model, step) == Some(false))?;
+        Some(format!(
+            "{} from step {} on",
+            model.variant.label(),
+            other.step
+        ))
+    };
+    let others: Vec<String> = sweep
+        .models
+        .iter()
+        .filter_map(|m| first_other(&m))
+        .collect();
+    let looked_at = quality.steps.len();
+    if others.is_empty() {
+        return format!(
+            "At all {looked_at} levels that were looked at, all {} models show the same picture of \
+             the scene, bit for bit.",
+            sweep.models.len()
+        );
+    }
+    format!(
+        "Pictures of the scene differ from those that were looked at, and nothing is said of them: {}.",
+        others.join(", ")
+    )
+}
+
+/// The plots with the names of their files, without `.svg`.
+#[must_use]
+pub fn quality_plots(quality: &SweepQuality) -> Vec<(&'static str, Plot)> {
+    let line = |name: &str, value: &dyn Fn(&StepQuality) -> f64| {
+        let point = |step: &StepQuality| [detail(quality, step), value(step)];
+        Series {
+            name: name.to_owned(),
+            points: quality.steps.iter().map(point).collect(),
+        }
+    };
+    let views = |spread: fn(&QualitySummary) -> Spread| {
+        vec![
+            line("mean of the views", &|step| spread(&step.foliage).mean),
+            line("worst view", &|step| spread(&step.foliage).worst),
+        ]
+    };
+    let with_scene = |mut lines: Vec<Series>, value: &dyn Fn(&ViewQuality) -> f64| {
+        lines.push(line("the scene's camera", &|step| value(&step.frame)));
+        lines
+    };
+    let area = line("leaves", &|step| step.leaf_area);
+    let share = "share of full detail";
+    let of = |title, label, lines| plot(title, label, Scale::Linear, lines);
+    vec![
+        ("quality-area", of("Area of the leaves", share, vec![area])),
+        (
+            "quality-covered",
+            of(
+                "Covered pixels, foliage alone",
+                share,
+                views(|foliage| foliage.covered),
+            ),
+        ),
+        (
+            "quality-silhouette",
+            of(
+                "Silhouette: pixels where a leaf came or went, foliage alone",
+                share,
+                views(|foliage| foliage.silhouette),
+            ),
+        ),
+        (
+            "quality-flip",
+            of(
+                "FLIP to full detail",
+                "0 equal, 1 black and white",
+                with_scene(views(|foliage| foliage.flip), &|frame| frame.flip),
+            ),
+        ),
+        (
+            "quality-ssim",
+            of(
+                "SSIM to full detail",
+                "1 equal",
+                with_scene(views(|foliage| foliage.ssim), &|frame| {
+                    frame.ssim.unwrap_or(f64::NAN)
+                }),
+            ),
+        ),
+    ]
+}
+
+/// The part of the page.
+pub(super) fn quality_sections(sweep: &Sweep, quality: &SweepQuality) -> Vec<Section> {
+    let heading = "What detail does to the picture".to_owned();
+    let mut sections = vec![
+        Section::Heading(heading),
+        Section::Table {
+            caption: String::new(),
+            table: quality_table(quality, usize::MAX),
+        },
+        Section::Text(CAPTION.to_owned()),
+    ];
+    sections.extend(quality_notes(sweep, quality).into_iter().map(Section::Text));
+    let plots = quality_plots(quality).into_iter();
+    sections.extend(plots.map(|(_, plot)| Section::Figure(plot.to_svg())));
+    sections
+}
