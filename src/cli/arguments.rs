@@ -141,6 +141,9 @@ pub(super) struct RunOptions {
     /// the view nor what is there before the first frame counts
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=DEVICE_BYTES))]
     pub(super) budget_bytes: Option<u64>,
+    /// Also tell which pixels switches of detail alone change; draws each frame thrice
+    #[arg(long)]
+    pub(super) popping: bool,
 }
 
 #[derive(Debug, Args)]

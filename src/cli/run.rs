@@ -12,7 +12,7 @@ use crate::raster::Counters;
 use crate::report::{
     FrameRow, PathEntry, RunFolder, RunHeader, RunShare, frame_layers, run_notes, run_table,
 };
-use crate::run::{PlantFiles, Progress as _, Session, Shard};
+use crate::run::{PlantFiles, PopMeter, Progress as _, Session, Shard};
 use crate::scene::{Scene, to_toml};
 
 /// Rows of frames in the closing table.
@@ -61,13 +61,21 @@ pub(super) fn run(
             shard,
             frames: frames.clone(),
             layers: options.layers,
+            popping: options.popping,
         })?;
     }
+    let mut meter = match options.popping {
+        false => None,
+        true => Some(PopMeter::new(scene, world, &prepared.options)?),
+    };
     let shard = drawing.shard.unwrap_or(Shard::WHOLE);
     progress.begin("frames", u64::from(frames.end));
     for number in 0..frames.end {
         if frames.contains(&number) && shard.draws(number) {
-            let frame = session.frame(number)?;
+            let mut frame = session.frame(number)?;
+            if let Some(meter) = &mut meter {
+                frame.popping = meter.frame(number, &frame.states, &session.drawn()?)?;
+            }
             folder.add(&frame)?;
             if options.layers {
                 let (kind, model) = (prepared.options.kind, prepared.options.model);
@@ -76,6 +84,9 @@ pub(super) fn run(
             }
         } else {
             session.skip(number)?;
+            if let Some(meter) = &mut meter {
+                meter.skip(number, &session.states());
+            }
         }
         progress.step();
     }

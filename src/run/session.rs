@@ -1,6 +1,7 @@
 //! A scene on a device, frame by frame.
 
 use super::RunError;
+use super::popping::Popping;
 use super::selector::Selector;
 use super::shard::exact_place;
 use super::views::Shot;
@@ -213,6 +214,9 @@ pub struct Frame {
     pub states: Vec<TreeState>,
     /// With a budget of bytes: how many clusters, or trees that change as a whole, it held back.
     pub deferred: Option<u64>,
+    /// What it shows for a switch of detail alone, where somebody watched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub popping: Option<Popping>,
 }
 
 impl Frame {
@@ -232,6 +236,7 @@ impl Frame {
             ledger: Ledger::default(),
             states: Vec::new(),
             deferred: None,
+            popping: None,
         }
     }
 
@@ -585,11 +590,13 @@ impl<'w> Session<'w> {
             ledger: self.device.take_ledger(),
             states,
             deferred: self.deferred.take(),
+            popping: None,
         })
     }
 
-    /// What every tree shows.
-    fn states(&self) -> Vec<TreeState> {
+    /// The state of every tree as it is committed.
+    #[must_use]
+    pub fn states(&self) -> Vec<TreeState> {
         let trees = self.trunks.iter().zip(&self.residents);
         let state = |(trunk, foliage): (&Option<Box<dyn Resident<TrunkLevel>>>, &Box<_>)| {
             let foliage: &dyn Resident = &**foliage;
@@ -695,6 +702,15 @@ impl<'w> Session<'w> {
         let pass = self.pass();
         self.device.queue().submit(&[Command::Render(pass)])?;
         self.device.take_ledger();
+        Ok(Shot::of(self.device.inspect_target(self.target)?))
+    }
+
+    /// What the frame that was drawn last shows.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn drawn(&self) -> Result<Shot, RunError> {
         Ok(Shot::of(self.device.inspect_target(self.target)?))
     }
 

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::{PathEntry, RunHeader};
 use crate::gpu::{Ledger, Share, Ticks, Traffic, nanoseconds};
 use crate::models::State;
-use crate::run::Frame;
+use crate::run::{Frame, Popping};
 
 /// The value of `schema` in `ledger.json`.
 pub const LEDGER_SCHEMA: &str = "spinney.ledger/1";
@@ -118,6 +118,9 @@ pub struct LedgerEntry {
     pub work: Option<WorkEntry>,
     /// Under exact counters: modelled time on the card.
     pub gpu_ns: Option<u64>,
+    /// With `--popping`: what switches of detail alone show; none for the first frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub popping: Option<Popping>,
 }
 
 /// What crossed the bus in one stream.
@@ -220,6 +223,7 @@ impl LedgerEntry {
             splits: u64::from(frame.change.splits),
             clusters_touched: u64::from(frame.change.clusters_touched),
             deferred: frame.deferred,
+            popping: frame.popping,
             ..Self::of_ledger(&frame.ledger)
         }
     }
@@ -302,6 +306,9 @@ impl LedgerEntry {
         }
         if let Some(time) = frame.gpu_ns {
             *self.gpu_ns.get_or_insert_default() += time;
+        }
+        if let Some(popping) = &frame.popping {
+            self.popping.get_or_insert_default().add(popping);
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::report::thumbnail::shrink;
 use crate::report::{
     Axis, Cell, Column, Page, PageImage, Picture, Plot, ReportError, Scale, Section, Series, Table,
 };
+use crate::run::Popping;
 
 /// Rows of the table of frames.
 const MOST_ROWS: usize = 120;
@@ -169,6 +170,11 @@ pub(super) fn run_page(
         Section::Figure(bytes_plot(rows).to_svg()),
         Section::Figure(leaves_plot(rows).to_svg()),
         Section::Figure(time_plot(rows).to_svg()),
+    ]);
+    if rows.iter().any(|row| row.popping.is_some()) {
+        after.push(Section::Figure(popping_plot(rows).to_svg()));
+    }
+    after.extend([
         Section::Heading("Frames".to_owned()),
         Section::Text(
             "Sent: uploads of changes of detail. Beside them what sending the indices of all \
@@ -277,6 +283,27 @@ fn bytes_plot(rows: &[FrameRow]) -> Plot {
 fn leaves_plot(rows: &[FrameRow]) -> Plot {
     let line = curve(rows, "leaves", |row| row.leaves as f64);
     plot("Leaves a frame", "leaves", Scale::Linear, vec![line])
+}
+
+/// What switches of detail show; frames of which nothing is told have no point.
+fn popping_plot(rows: &[FrameRow]) -> Plot {
+    let line = |name, pixels: fn(&Popping) -> u64| {
+        let value = |row: &FrameRow| row.popping.map_or(f64::NAN, |found| pixels(&found) as f64);
+        curve(rows, name, value)
+    };
+    plot(
+        "Popping: pixels that a switch of detail changes, and leaves that come and go",
+        "pixels",
+        Scale::Linear,
+        vec![
+            line("changed by the switch alone", |found| found.popped),
+            line("toggled", |found| found.toggled),
+            line("toggled at full detail", |found| {
+                found.toggled_at_full_detail
+            }),
+            line("toggled beyond full detail", |found| found.toggled_beyond),
+        ],
+    )
 }
 
 fn time_plot(rows: &[FrameRow]) -> Plot {

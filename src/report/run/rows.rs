@@ -6,7 +6,7 @@ use super::ledger::microseconds;
 use crate::gpu::{Link, Stream, Ticks, Traffic};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{decimal, grouped};
-use crate::run::Frame;
+use crate::run::{Frame, Popping};
 
 /// The cause of uploads that follow the camera and are no change of detail.
 pub(in super::super) const VIEW: &str = "view";
@@ -40,6 +40,8 @@ pub struct FrameRow {
     pub gpu_ticks: Option<Ticks>,
     /// With a budget of bytes: clusters, or trees that change as a whole, that it held back.
     pub deferred: Option<u64>,
+    /// What a switch of detail alone shows, where somebody watched.
+    pub popping: Option<Popping>,
 }
 
 impl FrameRow {
@@ -53,6 +55,7 @@ impl FrameRow {
             fetch: frame.ledger.fetch,
             gpu_ticks: frame.ledger.gpu_ticks,
             deferred: frame.deferred,
+            popping: frame.popping,
             ..Self::default()
         };
         // Shares are exact by cause also where one transfer has several, but of all streams.
@@ -107,6 +110,9 @@ impl FrameRow {
             }
             if let Some(deferred) = row.deferred {
                 *sum.deferred.get_or_insert_default() += deferred;
+            }
+            if let Some(popping) = &row.popping {
+                sum.popping.get_or_insert_default().add(popping);
             }
         }
         sum
@@ -215,7 +221,27 @@ pub fn run_notes(rows: &[FrameRow], link: Link) -> Vec<String> {
         }
         notes.push(note(what, &others) + &times(&others, &sum.changes));
     }
+    notes.extend(sum.popping.map(|popping| popping_note(rows, &popping)));
     notes
+}
+
+/// What switches of detail show, over all frames.
+fn popping_note(rows: &[FrameRow], sum: &Popping) -> String {
+    let popped = |row: &FrameRow| row.popping.map_or(0, |popping| popping.popped);
+    let worst = rows.iter().map(|row| (popped(row), row.frame));
+    // Of several the first.
+    let worst = worst.max_by_key(|(popped, frame)| (*popped, std::cmp::Reverse(*frame)));
+    let (most, frame) = worst.unwrap_or_default();
+    let count = |pixels| grouped(pixels, ",");
+    format!(
+        "Popping: switches of detail alone change {} pixels, at most {} in a frame (frame {frame}). \
+         {} pixels toggle between leaf and none; {} at full detail; {} beyond what toggles there.",
+        count(sum.popped),
+        count(most),
+        count(sum.toggled),
+        count(sum.toggled_at_full_detail),
+        count(sum.toggled_beyond),
+    )
 }
 
 /// What was moved, as a sentence.

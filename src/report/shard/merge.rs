@@ -59,6 +59,7 @@ pub fn merge(
             initial,
             frames,
             layers,
+            popping: _,
         } => {
             let target = target(&header.scene, false);
             let run = RunJob {

@@ -61,6 +61,8 @@ enum Job {
         frames: Range<u32>,
         /// Whether there are layers beside the pictures.
         layers: bool,
+        /// Whether frames tell of their popping.
+        popping: bool,
     },
     /// The steps `0..=steps` of a walk.
     Sweep {
@@ -110,6 +112,7 @@ impl RunShard {
             initial: Box::new(initial.clone()),
             frames: share.frames.clone(),
             layers: share.layers,
+            popping: share.popping,
         };
         file.add(&Head::line(share.shard, job))?;
         Ok(Self(file))
@@ -133,6 +136,8 @@ pub struct RunShare {
     pub frames: Range<u32>,
     /// Whether layers are written beside the pictures.
     pub layers: bool,
+    /// Whether frames tell of their popping.
+    pub popping: bool,
 }
 
 /// Which share of a walk is drawn.

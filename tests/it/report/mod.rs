@@ -55,12 +55,10 @@ fn options(scene: &Scene) -> SessionOptions {
     SessionOptions::of(scene, raster).expect("known names")
 }
 
-/// A run written to `target`, with layers; its frames.
-fn run_into(target: &Path, scene: &Scene) -> Vec<Frame> {
-    let world = world();
+/// The header of a run that nobody holds the memory figures against.
+fn run_header(scene: &Scene) -> RunHeader {
     let options = options(scene);
-    let mut session = Session::new(scene, &world, &options).expect("memory suffices");
-    let header = RunHeader {
+    RunHeader {
         scene: scene.name.clone(),
         scene_digest: scene.digest(),
         model: options.kind.label(),
@@ -69,7 +67,18 @@ fn run_into(target: &Path, scene: &Scene) -> Vec<Frame> {
         size: [48, 32],
         samples: 1,
         resolved: "# resolved\n".to_owned(),
+        resident: Vec::new(),
+    }
+}
+
+/// A run written to `target`, with layers; its frames.
+fn run_into(target: &Path, scene: &Scene) -> Vec<Frame> {
+    let world = world();
+    let options = options(scene);
+    let mut session = Session::new(scene, &world, &options).expect("memory suffices");
+    let header = RunHeader {
         resident: session.device().resident_by_label(),
+        ..run_header(scene)
     };
     let mut folder = RunFolder::create(target, header, session.initial()).expect("a new folder");
     let mut frames = Vec::new();

@@ -3,13 +3,17 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
+use spinney::gpu::Ledger;
 use spinney::models::{Kind, State};
 use spinney::report::{
-    LayerSamples, NO_NUMBER, OpsReader, RunFolder, RunHeader, RunLedger, frame_layers,
+    LayerSamples, NO_NUMBER, OpsReader, RunFolder, RunHeader, RunLedger, frame_layers, run_notes,
 };
-use spinney::run::Session;
+use spinney::run::{Frame, PopMeter, Popping, Session};
+use spinney::scene::Scene;
 
-use super::{assert_self_contained, keys_in_order, options, read, run_into, scene, words, world};
+use super::{
+    assert_self_contained, keys_in_order, options, read, run_header, run_into, scene, words, world,
+};
 
 const HEAD: &str = "schema version scene scene_digest link card size samples frames initial totals \
     path";
@@ -352,4 +356,87 @@ fn literal_states_are_those_that_were_asked_for() {
     let target = root.path().join("run");
     let frames = run_into(&target, &scene("literal", "uniform"));
     assert!(matches!(frames[4].states[0].foliage, State::Uniform { collapses } if collapses > 0));
+}
+
+/// The frames of the tiny scene with their popping; only those of which `drawn` says so are drawn.
+fn popping(scene: &Scene, drawn: impl Fn(u32) -> bool) -> Vec<Frame> {
+    let world = world();
+    let options = options(scene);
+    let mut session = Session::new(scene, &world, &options).expect("memory suffices");
+    let mut meter = PopMeter::new(scene, &world, &options).expect("memory suffices");
+    let mut frames = Vec::new();
+    for number in 0..scene.frames {
+        if drawn(number) {
+            let mut frame = session.frame(number).expect("a sound frame");
+            let shown = session.drawn().expect("it was drawn");
+            let found = meter.frame(number, &frame.states, &shown);
+            frame.popping = found.expect("a sound frame");
+            frames.push(frame);
+        } else {
+            session.skip(number).expect("a sound frame");
+            meter.skip(number, &session.states());
+        }
+    }
+    frames
+}
+
+#[test]
+fn frames_pop_where_their_states_switch() {
+    let scene = scene("slots", "uniform");
+    let frames = popping(&scene, |_| true);
+    assert_eq!(frames[0].popping, None);
+    let mut pops = 0;
+    for pair in frames.windows(2) {
+        let found = pair[1].popping.expect("a frame came before");
+        let switches = pair[0].states != pair[1].states;
+        assert!(switches || found.popped == 0, "{found:?}");
+        assert!(found.toggled_beyond <= found.toggled, "{found:?}");
+        assert!(found.popped <= 48 * 32, "{found:?}");
+        pops += u64::from(found.popped > 0);
+    }
+    assert!(pops > 0, "detail falls along the path");
+    // What is told of a frame does not depend on which others are drawn.
+    for frame in popping(&scene, |number| number % 2 == 1) {
+        let whole = &frames[frame.frame as usize];
+        assert_eq!(frame.popping, whole.popping, "frame {}", frame.frame);
+    }
+    // Full detail toggles as full detail does, and never pops.
+    let mut full = scene;
+    full.model.level = Some(0.0);
+    for frame in popping(&full, |number| number > 0) {
+        let found = frame.popping.expect("a frame came before");
+        let wanted = Popping {
+            popped: 0,
+            toggled: found.toggled_at_full_detail,
+            toggled_at_full_detail: found.toggled,
+            toggled_beyond: 0,
+        };
+        assert_eq!(found, wanted);
+    }
+}
+
+#[test]
+fn popping_is_told_in_the_ledger_and_on_the_page() {
+    let root = tempfile::tempdir().unwrap();
+    let target = root.path().join("run");
+    let scene = scene("slots", "uniform");
+    let frames = popping(&scene, |_| true);
+    let header = run_header(&scene);
+    let mut folder = RunFolder::create(&target, header, &Ledger::default()).unwrap();
+    for frame in &frames {
+        folder.add(frame).unwrap();
+    }
+    let rows = folder.finish().unwrap();
+    let ledger: RunLedger = serde_json::from_str(&read(&target, "ledger.json")).unwrap();
+    let mut sum = Popping::default();
+    for (entry, frame) in ledger.frames.iter().zip(&frames) {
+        assert_eq!(entry.popping, frame.popping);
+        sum.add(&frame.popping.unwrap_or_default());
+    }
+    assert_eq!(ledger.totals.popping, Some(sum));
+    assert!(read(&target, "report.html").contains("Popping: pixels that a switch"));
+    let notes = run_notes(&rows, options(&scene).link);
+    let last = notes.last().unwrap();
+    let wanted = format!("switches of detail alone change {} pixels", sum.popped);
+    assert!(last.contains(&wanted), "{last}");
 }
