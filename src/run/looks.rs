@@ -4,8 +4,9 @@
 //! one level after another, full detail first, so that nobody need hold more than two.
 
 use super::RunError;
+use super::options::SessionOptions;
 use super::progress::Progress;
-use super::session::{Session, SessionOptions};
+use super::session::Session;
 use super::shard::Shard;
 use super::sweep::states_at;
 use super::views::{Shot, Views};

@@ -10,8 +10,10 @@
 
 mod cache;
 mod crowns;
+mod frame;
 mod looks;
 mod mass;
+mod options;
 mod plants;
 mod popping;
 mod progress;
@@ -24,12 +26,14 @@ mod world;
 
 pub use cache::{CacheLimit, ModelCache};
 pub use crowns::CrownStore;
+pub use frame::Frame;
 pub use looks::{Look, LookOptions, Subject, looked_at, looks};
 pub use mass::{Mass, mass};
+pub use options::SessionOptions;
 pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};
 pub use popping::{PopMeter, Popping};
 pub use progress::{Progress, Silent};
-pub use session::{Frame, Owner, Session, SessionOptions};
+pub use session::{Owner, Session};
 pub use shard::Shard;
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
 pub use views::{Shot, VIEW_SIDE, Views, directions};

@@ -9,7 +9,8 @@
 //! ```
 
 use super::RunError;
-use super::session::{Session, SessionOptions};
+use super::options::SessionOptions;
+use super::session::Session;
 use super::views::Shot;
 use super::world::World;
 use crate::models::TreeState;

@@ -1,128 +1,22 @@
 //! A scene on a device, frame by frame.
 
 use super::RunError;
-use super::popping::Popping;
+use super::frame::Frame;
+use super::options::SessionOptions;
 use super::selector::Selector;
-use super::shard::exact_place;
 use super::views::Shot;
 use super::world::World;
 use crate::gpu::{
-    Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, ProbedFragment, RenderPass,
-    ResourceId, TargetDescriptor, TargetId,
+    Command, Device, DeviceDescriptor, Ledger, Load, ProbedFragment, RenderPass, ResourceId,
+    TargetDescriptor, TargetId,
 };
-use crate::math::{Digest, Vec3, Vec4, whole_u32};
+use crate::math::{Vec4, whole_u32};
 use crate::models::{
-    Camera, Change, Criterion, Environment, Extent, Extraction, Gather, Ground, Kind, LEAF_GROUP,
-    LeafFormat, ModelOptions, Placement, Records, Resident, Shared, State, TreeChange, TreeState,
-    TrunkKind, TrunkLevel, Vertices, View,
+    Camera, Criterion, Environment, Extent, Ground, Kind, LEAF_GROUP, Placement, Resident, Shared,
+    State, TreeChange, TreeState, TrunkKind, TrunkLevel, View,
 };
-use crate::raster::{Counters, Image, Options, Samples, TileSize, decode_srgb};
+use crate::raster::{Samples, decode_srgb};
 use crate::scene::{self, ImageSize, SampleCount, Scene};
-
-/// What a session takes beside its scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SessionOptions {
-    /// The model and mode.
-    pub kind: Kind,
-    /// Its choices.
-    pub model: ModelOptions,
-    /// The model and mode of trunks.
-    pub trunk: TrunkKind,
-    /// Pixels of a frame.
-    pub size: ImageSize,
-    /// Samples a pixel.
-    pub samples: SampleCount,
-    /// The link, for modelled times.
-    pub link: Link,
-    /// The card, for modelled times.
-    pub card: Card,
-    /// Tile size and counters of the rasterizer; they change no picture.
-    pub raster: Options,
-}
-
-impl SessionOptions {
-    /// What the scene asks for, everything rasterized and counted: what references are made from.
-    ///
-    /// # Errors
-    ///
-    /// As [`of`](Self::of).
-    pub fn exact(scene: &Scene) -> Result<Self, RunError> {
-        let raster = Options {
-            tile: TileSize::Side64,
-            counters: Counters::Exact,
-        };
-        Self::of(scene, raster)
-    }
-
-    /// What the scene asks for.
-    ///
-    /// # Errors
-    ///
-    /// [`RunError::Name`] when the scene names a link, card or mode that does not exist.
-    pub fn of(scene: &Scene, raster: Options) -> Result<Self, RunError> {
-        let unknown = |key, what, found: &str, known: Vec<String>| RunError::Name {
-            key,
-            what,
-            found: found.to_owned(),
-            known: known.join(", "),
-        };
-        let (link, card) = (&scene.device.link, &scene.device.card);
-        let (name, mode) = (scene.model.name.name(), scene.model.mode.name());
-        let modes = || {
-            Kind::ALL
-                .iter()
-                .map(|kind| kind.names())
-                .filter(|names| names.0 == name)
-        };
-        Ok(Self {
-            kind: Kind::named(name, mode).ok_or_else(|| {
-                let known = modes().map(|names| names.1.to_owned()).collect();
-                unknown("model.mode", "mode", mode, known)
-            })?,
-            model: ModelOptions {
-                extraction: match scene.model.extraction {
-                    scene::Extraction::Single => Extraction::Single,
-                    scene::Extraction::Batched => Extraction::Batched,
-                },
-                gather: match scene.model.gather {
-                    scene::Gather::Single => Gather::Single,
-                    scene::Gather::Regions => Gather::Regions,
-                },
-                format: LeafFormat {
-                    records: match scene.model.records {
-                        scene::RecordWidth::Wide => Records::Wide,
-                        scene::RecordWidth::Compact => Records::Compact,
-                    },
-                    vertices: match scene.model.vertices {
-                        scene::VertexFormat::Float => Vertices::Float,
-                        scene::VertexFormat::Quantised => Vertices::Quantised,
-                    },
-                },
-            },
-            trunk: TrunkKind {
-                name: scene.model.trunk,
-                mode: scene.model.trunk_mode,
-            },
-            size: scene.size,
-            samples: scene.samples,
-            link: Link::named(link).ok_or_else(|| {
-                let known = Link::ALL
-                    .iter()
-                    .map(|link| link.name().to_owned())
-                    .collect();
-                unknown("device.link", "link", link, known)
-            })?,
-            card: Card::named(card).ok_or_else(|| {
-                let known = Card::ALL
-                    .iter()
-                    .map(|card| card.name().to_owned())
-                    .collect();
-                unknown("device.card", "card", card, known)
-            })?,
-            raster,
-        })
-    }
-}
 
 /// A scene on a device.
 #[derive(Debug)]
@@ -183,81 +77,6 @@ impl Owners {
 enum Recorded {
     No,
     FromTheStart,
-}
-
-/// What one frame showed and cost.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Frame {
-    /// Its number.
-    pub frame: u32,
-    /// Where the camera stood, in world space.
-    #[serde(with = "exact_place")]
-    pub eye: Vec3,
-    /// The picture. Not serialized, and empty where the frame was read.
-    #[serde(skip, default = "no_image")]
-    pub image: Image,
-    /// The picture's digest.
-    pub image_digest: Digest,
-    /// Leaves drawn, over all trees.
-    pub leaves: u64,
-    /// Triangles drawn: two a leaf, the trunks', and the ground's.
-    pub triangles: u64,
-    /// Of those, the trunks'.
-    pub trunk_triangles: u64,
-    /// What the change of detail took of the foliage.
-    pub change: Change,
-    /// What it took of the trunks.
-    pub trunk_change: Change,
-    /// What was moved and drawn.
-    pub ledger: Ledger,
-    /// The state of every tree.
-    pub states: Vec<TreeState>,
-    /// With a budget of bytes: how many clusters, or trees that change as a whole, it held back.
-    pub deferred: Option<u64>,
-    /// What it shows for a switch of detail alone, where somebody watched.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub popping: Option<Popping>,
-}
-
-impl Frame {
-    /// A frame of nothing, for tests to fill in.
-    #[cfg(test)]
-    pub(crate) fn blank() -> Self {
-        Self {
-            frame: 0,
-            eye: Vec3::ZERO,
-            image: no_image(),
-            image_digest: Digest([0; 32]),
-            leaves: 0,
-            triangles: 0,
-            trunk_triangles: 0,
-            change: Change::default(),
-            trunk_change: Change::default(),
-            ledger: Ledger::default(),
-            states: Vec::new(),
-            deferred: None,
-            popping: None,
-        }
-    }
-
-    /// Gives a frame that was read its picture back: R, G, B, A of each pixel, row by row from the
-    /// top. Whether it is the frame's own, its digest says.
-    pub fn set_image(&mut self, [width, height]: [u32; 2], rgba: Vec<u8>) {
-        self.image = Image {
-            width,
-            height,
-            rgba,
-        };
-    }
-}
-
-/// The picture of a frame that was read without it.
-fn no_image() -> Image {
-    Image {
-        width: 0,
-        height: 0,
-        rgba: Vec::new(),
-    }
 }
 
 impl<'w> Session<'w> {

@@ -1,9 +1,10 @@
 //! Walking the axis of detail: every model from full detail to the coarsest in equal steps.
 
 use super::RunError;
+use super::options::SessionOptions;
 use super::progress::Progress;
 use super::selector::Selector;
-use super::session::{Session, SessionOptions};
+use super::session::Session;
 use super::shard::{Shard, exact};
 use super::world::World;
 use crate::gpu::{Card, Ledger, Link, Stream, Ticks, Traffic};

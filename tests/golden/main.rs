@@ -29,6 +29,7 @@ macro_rules! goldens {
 
 goldens! {
     digest { walk_cluster walk_slots walk_stamps yew }
+    forest { hill }
     full { four_samples resident }
     lodf {
         cluster cluster_variable device host literal slots slots_gathered slots_variable stamps

@@ -4,6 +4,7 @@ mod bus_bytes;
 mod cli;
 mod closed_form;
 mod determinism;
+mod device_camera;
 mod diff;
 mod explain;
 mod forest;

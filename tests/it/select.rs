@@ -372,8 +372,9 @@ fn budgets_of_bytes_are_never_exceeded_and_spent_as_far_as_they_reach() {
                     assert!(sent(frame) <= budget, "{case}: {}", sent(frame));
                     let late = frame.states != free.states;
                     assert!(!late || frame.deferred > Some(0), "{case}");
-                    // One that suffices for all changes nothing.
-                    assert!(!late || budget < most, "{case}");
+                    // One that suffices for all changes nothing; but a device that selects by itself
+                    // needs to be told what to show once there is a budget.
+                    assert!(!late || budget < most || mode == Mode::Device, "{case}");
                 }
                 // The camera rests in frame 5.
                 if budget == 400 && mode == Mode::Slots && detail == DetailKind::Variable {

@@ -203,8 +203,8 @@ impl Model for Refined {
                 + compact
                 + crown_size(&self.crown),
             instance_bytes: 8 + (4 + 4 + IndirectRecord::STRIDE) * u64::from(roots),
-            // In a uniform state; a variable one has its own number of each cluster.
-            instance_host_bytes: 8 + 4 * u64::from(roots),
+            // Of a variable state, beside what the device holds while it follows the camera.
+            instance_host_bytes: 8 + 8 * u64::from(roots),
         }
     }
 }

@@ -9,8 +9,7 @@ use crate::math::index_u32;
 ///
 /// A leaf looks at all others of its block, so this bounds the work of a collapse however densely the
 /// leaves stand; and what a leaf misses lies beyond the border of its block, of which larger blocks
-/// have less. Twice as many take two thirds more time for 500,000 leaves, and the covered pixels of
-/// the published trees move by less than half a per cent, either way.
+/// have less. Twice as many take two thirds more time for 500,000 leaves.
 pub(super) const BLOCK_LEAVES: usize = 64;
 
 /// Two leaves of a block become one.

@@ -146,7 +146,7 @@ fn quality_is_the_same_for_all_models_and_told_in_every_form() {
     assert_eq!(full.foliage, QualitySummary::of(&[perfect]));
     assert!(coarse.frame.flip > 0.0 && coarse.foliage.silhouette.mean > 0.0);
     let notes = quality_notes(&sweep, &quality);
-    let agreement = "At all 2 levels that were looked at, all 11 models show the same picture of the \
+    let agreement = "At all 2 levels that were looked at, all 13 models show the same picture of the \
         scene, bit for bit.";
     assert_eq!(notes[1], agreement);
 
