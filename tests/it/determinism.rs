@@ -269,8 +269,8 @@ fn shards_draw_what_one_run_draws() {
 const PINNED: &str = "\
 plant     4ae92bd6d54fa6377c8c9c1e3501322ac399bff1d6c3c812931a0865c52e4100
 collapses a69d75b925183f1628f0f31dd941c48790ade55e5a9a6d22ec8252ab156ce0b7
-pictures  9359a28bd55d8bd0a7c9c0f7acbb8ba91b8d0092f0e4d15644bb3f02fb39182b
-ledgers   ea62e7b66277467d28a3acf691bcef0db282244567e8d779d27817eca5d409da
+pictures  7380c584cc663ede341f331f86029edd742f1629d838aea054a67ea46caceba2
+ledgers   d79a7167776bdb8466fd3b41dd4337540514bf01597fde00c363c4b4427caf38
 ";
 
 /// A ledger as files have it: the entry of a frame, then each transfer.
