@@ -102,7 +102,9 @@ pub fn ops(bytes: &[u8]) {
             Ok((_, states)) => {
                 assert_eq!(states.len(), world.trees.len());
                 for (state, tree) in states.iter().zip(&world.trees) {
-                    _ = state.leaf_count(world.crowns[tree.crown].clusters());
+                    _ = state
+                        .foliage
+                        .leaf_count(world.crowns[tree.crown].clusters());
                 }
             }
             Err(error) => _ = error.to_string(),
@@ -122,18 +124,12 @@ pub(crate) fn world() -> &'static World {
             rotation: spinney::math::Quat::IDENTITY,
             scale: 1.0,
         };
-        World {
-            crowns: vec![std::sync::Arc::new(crown(plant, Some(5)))],
-            trees: vec![
-                StandingTree {
-                    crown: 0,
-                    placement
-                };
-                2
-            ],
-            ground: None,
-            remarks: Vec::new(),
-        }
+        let crowns = vec![std::sync::Arc::new(crown(plant, Some(5)))];
+        let standing = StandingTree {
+            crown: 0,
+            placement,
+        };
+        World::of(crowns, vec![standing; 2])
     })
 }
 
