@@ -56,6 +56,9 @@ struct StepEntry {
     splits: u64,
     clusters_touched: u64,
     host_records: u64,
+    /// Of a trunk that has levels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trunk: Option<TrunkEntry>,
     upload: TrafficEntry,
     fetch: TrafficEntry,
     command_bytes: u64,
@@ -68,6 +71,34 @@ struct StepEntry {
     quality: Option<QualityEntry>,
 }
 
+/// What a change of detail took of trunks.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct TrunkEntry {
+    triangles: u64,
+    collapses: u64,
+    splits: u64,
+    host_records: u64,
+}
+
+impl TrunkEntry {
+    /// Of a model whose trunk is one of its own.
+    fn of(model: &SweepModel, step: &SweepStep) -> Option<Self> {
+        model.variant.trunk.map(|_| Self {
+            triangles: step.trunk_triangles,
+            collapses: u64::from(step.trunk_change.collapses),
+            splits: u64::from(step.trunk_change.splits),
+            host_records: step.trunk_change.host_records,
+        })
+    }
+
+    fn add(&mut self, other: Self) {
+        self.triangles += other.triangles;
+        self.collapses += other.collapses;
+        self.splits += other.splits;
+        self.host_records += other.host_records;
+    }
+}
+
 /// What only a step has.
 #[derive(Debug, Clone, Serialize)]
 struct Shown {
@@ -78,7 +109,7 @@ struct Shown {
 }
 
 impl StepEntry {
-    fn of(step: &SweepStep) -> Self {
+    fn of(model: &SweepModel, step: &SweepStep) -> Self {
         let ledger = &step.ledger;
         Self {
             level: Some(step.level()),
@@ -88,6 +119,7 @@ impl StepEntry {
             splits: u64::from(step.change.splits),
             clusters_touched: u64::from(step.change.clusters_touched),
             host_records: step.change.host_records,
+            trunk: TrunkEntry::of(model, step),
             upload: TrafficEntry::of(&ledger.upload),
             fetch: TrafficEntry::of(&ledger.fetch),
             command_bytes: ledger.command_bytes,
@@ -105,6 +137,9 @@ impl StepEntry {
     }
 
     fn add(&mut self, step: &Self) {
+        if let Some(trunk) = step.trunk {
+            self.trunk.get_or_insert_default().add(trunk);
+        }
         self.leaves += step.leaves;
         self.triangles += step.triangles;
         self.collapses += step.collapses;
@@ -132,7 +167,7 @@ fn entries(model: &SweepModel, quality: Option<&SweepQuality>) -> Vec<StepEntry>
         quality: quality
             .and_then(|quality| quality.of(model, step))
             .map(QualityEntry::of),
-        ..StepEntry::of(step)
+        ..StepEntry::of(model, step)
     };
     model.steps.iter().map(entry).collect()
 }
@@ -199,11 +234,28 @@ pub fn sweep_csv(sweep: &Sweep, quality: Option<&SweepQuality>) -> String {
     columns.extend(numbers.into_iter().map(Column::numbers));
     columns.push(Column::words("image_digest"));
     columns.extend(shown.into_iter().map(Column::numbers));
+    // A table of foliage alone says nothing of trunks.
+    let trunks = sweep
+        .models
+        .iter()
+        .any(|model| model.variant.trunk.is_some());
+    if trunks {
+        let names = [
+            "trunk_triangles",
+            "trunk_collapses",
+            "trunk_splits",
+            "trunk_host_records",
+        ];
+        columns.extend(names.into_iter().map(Column::numbers));
+    }
     if quality.is_some() {
         columns.extend(quality_columns());
     }
     let row = |model, step| {
         let mut cells = csv_cells(model, step);
+        if trunks {
+            cells.extend(trunk_cells(TrunkEntry::of(model, step)));
+        }
         cells.extend(
             quality
                 .into_iter()
@@ -220,8 +272,20 @@ pub fn sweep_csv(sweep: &Sweep, quality: Option<&SweepQuality>) -> String {
     .to_csv()
 }
 
+fn trunk_cells(trunk: Option<TrunkEntry>) -> [Cell; 4] {
+    trunk.map_or([const { Cell::Missing }; 4], |trunk| {
+        [
+            trunk.triangles,
+            trunk.collapses,
+            trunk.splits,
+            trunk.host_records,
+        ]
+        .map(Cell::Count)
+    })
+}
+
 fn csv_cells(model: &SweepModel, step: &SweepStep) -> Vec<Cell> {
-    let entry = StepEntry::of(step);
+    let entry = StepEntry::of(model, step);
     let number = |value| Cell::Number { value, digits: 6 };
     let maybe = |count: Option<u64>| count.map_or(Cell::Missing, Cell::Count);
     let traffic = |traffic: TrafficEntry| {

@@ -40,6 +40,15 @@ pub fn sweep_plots(sweep: &Sweep) -> Vec<(&'static str, Plot)> {
             ),
         ),
         (
+            "extraction",
+            plot(
+                "Extraction: records read and written on the host for each step",
+                "records",
+                Scale::Log,
+                distinct(by_step(sweep, |step| records(step) as f64)),
+            ),
+        ),
+        (
             "leaves",
             plot(
                 "Leaves shown",
@@ -64,6 +73,11 @@ pub fn sweep_plots(sweep: &Sweep) -> Vec<(&'static str, Plot)> {
 fn milliseconds(step: &SweepStep) -> f64 {
     let bus = step.ledger.upload.ticks + step.ledger.fetch.ticks;
     nanoseconds(step.frame_ticks().unwrap_or(bus)) as f64 / 1e6
+}
+
+/// What a change of detail reads and writes on the host, of foliage and trunk.
+pub(super) fn records(step: &SweepStep) -> u64 {
+    step.change.host_records + step.trunk_change.host_records
 }
 
 /// What a model uploads and what its draws fetch, a number a step.

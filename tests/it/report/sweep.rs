@@ -55,8 +55,8 @@ fn sweeps_have_the_keys_of_the_contract_and_all_files() {
     write_sweep(&folder, &sweep_header(), &sweep, None).unwrap();
     folder.commit().unwrap();
     let names: Vec<String> = files(&target).into_keys().collect();
-    let wanted = ".spinney plots/covered.svg plots/cumulated.svg plots/frame-time.svg \
-        plots/leaves.svg plots/payload.svg report.html sweep.csv sweep.json table.md";
+    let wanted = ".spinney plots/covered.svg plots/cumulated.svg plots/extraction.svg \
+        plots/frame-time.svg plots/leaves.svg plots/payload.svg report.html sweep.csv sweep.json table.md";
     assert_eq!(names, words(wanted));
 
     let text = read(&target, "sweep.json");
@@ -259,7 +259,7 @@ fn sweep_table_counts_changes_without_the_view() {
     assert!(count("lodf-cluster", 2) > count("lodf-slots", 2));
 
     let notes = sweep_notes(&sweep);
-    assert_eq!(notes.len(), 6, "{notes:#?}");
+    assert_eq!(notes.len(), 11, "{notes:#?}");
     assert!(
         notes[3].starts_with("Changes, lodf-stamps: 32 B in 8 transfers, 224 B on the wire"),
         "{notes:#?}"
@@ -267,6 +267,13 @@ fn sweep_table_counts_changes_without_the_view() {
     let wanted = "First upload: lodf-stamps sends 360 B more than lodf-cluster; with its changes it \
         has paid off at step 1 of 4.";
     assert_eq!(notes[5], wanted);
+    let records = |label: &str| -> u64 {
+        let steps = sweep.models[find(label)].steps.iter();
+        steps.map(|step| step.change.host_records).sum()
+    };
+    let [own, rival] = [records("lodf-host"), records("vdf-host")];
+    let wanted = format!("Extraction, lodf-host against vdf-host: {own} records against {rival}, ");
+    assert!(notes[6].starts_with(&wanted), "{notes:#?}");
     let text = sweep_text(&sweep, None, 80);
     assert!(
         text.lines()
