@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crate::support::contents;
+
 const SCENE: &str = r#"schema = "spinney.scene/1"
 size = [96, 64]
 frames = 6
@@ -65,21 +67,6 @@ fn refused(folder: &Path, arguments: &str) -> String {
     let output = spinney(folder, arguments);
     assert_eq!(output.status.code(), Some(2), "{arguments}");
     String::from_utf8(output.stderr).expect("text")
-}
-
-/// Every file below a folder with what it holds, and every folder.
-fn contents(folder: &Path, prefix: &str, found: &mut BTreeMap<String, Vec<u8>>) {
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("readable").path();
-        let name = path.file_name().expect("named").to_string_lossy();
-        let name = format!("{prefix}{name}");
-        if path.is_dir() {
-            contents(&path, &format!("{name}/"), found);
-            found.insert(name + "/", Vec::new());
-        } else {
-            found.insert(name, std::fs::read(path).expect("readable"));
-        }
-    }
 }
 
 fn assert_same(one: &Path, other: &Path) {

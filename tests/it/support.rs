@@ -2,6 +2,7 @@
 //! cases they tried.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -386,4 +387,19 @@ pub(crate) fn grow_birches() -> World {
 pub(crate) fn birches() -> &'static World {
     static WORLD: OnceLock<World> = OnceLock::new();
     WORLD.get_or_init(grow_birches)
+}
+
+/// Every file below a folder with what it holds, and every folder.
+pub(crate) fn contents(folder: &Path, prefix: &str, found: &mut BTreeMap<String, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("readable").path();
+        let name = path.file_name().expect("named").to_string_lossy();
+        let name = format!("{prefix}{name}");
+        if path.is_dir() {
+            contents(&path, &format!("{name}/"), found);
+            found.insert(name + "/", Vec::new());
+        } else {
+            found.insert(name, std::fs::read(path).expect("readable"));
+        }
+    }
 }

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
+use crate::support::contents;
+
 /// A walk past two trees, with several tiles and more bytes of picture than one thread digests.
 const SCENE: &str = r#"schema = "spinney.scene/1"
 size = [224, 160]
@@ -90,7 +92,7 @@ fn assert_same_folders(arguments: &[&str], kinds: &[&str], named: &[&str]) {
         assert!(output.status.success(), "{said}");
         let out = folder.path().join("out");
         let mut files = BTreeMap::from([("standard output".to_owned(), output.stdout)]);
-        collect(&out, "", &mut files);
+        contents(&out, "", &mut files);
         std::fs::remove_dir_all(out).expect("writable");
         let Some(wanted) = &wanted else {
             let kind = |file: &String| Some(file.rsplit_once('.')?.1.to_owned());
@@ -111,20 +113,6 @@ fn assert_same_folders(arguments: &[&str], kinds: &[&str], named: &[&str]) {
                 *bytes == wanted[file],
                 "{file} differs: {threads:?}, {environment:?}"
             );
-        }
-    }
-}
-
-/// Every file below a folder with what it holds.
-fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>>) {
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("readable").path();
-        let name = path.file_name().expect("named").to_string_lossy();
-        let name = format!("{prefix}{name}");
-        if path.is_dir() {
-            collect(&path, &format!("{name}/"), files);
-        } else {
-            files.insert(name, std::fs::read(path).expect("readable"));
         }
     }
 }

@@ -19,13 +19,13 @@ use std::sync::Arc;
 
 use super::strips::{NO_TRIANGLE, StripPlan};
 use super::surface::{TRUNK, TrunkShared, upload_trunk};
+use super::writes::{Write, send_writes};
 use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    Queue, RESTART, Region, Step, Usage,
+    Queue, RESTART, Step, Usage,
 };
 use crate::math::index_u32;
-use crate::models::lodf::send;
 use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
 use crate::simplify::VertexCollapses;
 
@@ -258,9 +258,6 @@ struct CutResident {
     drawn: Vec<Vec<u32>>,
 }
 
-/// A buffer, where in it, the bytes, and why.
-type Write = (BufferId, u64, Vec<u8>, Cause);
-
 impl CutResident {
     /// Goes over to a level on the host; returns what that takes, and what the buffers lack then.
     fn step(&mut self, to: TrunkLevel) -> (Change, Vec<Write>) {
@@ -297,12 +294,22 @@ impl CutResident {
                 let words = wanted[first..=last].iter();
                 let bytes = words.flat_map(|word| word.to_le_bytes()).collect();
                 let offset = 4 * (u64::from(ends[0]) + first as u64);
-                writes.push((self.strips, offset, bytes, CAUSES[0]));
+                writes.push(Write {
+                    buffer: self.strips,
+                    offset,
+                    bytes,
+                    cause: CAUSES[0],
+                });
             }
             if held.len() != wanted.len() {
                 let bytes = index_u32(wanted.len()).to_le_bytes().to_vec();
                 let offset = IndirectRecord::STRIDE * number as u64;
-                writes.push((self.arguments, offset, bytes, CAUSES[1]));
+                writes.push(Write {
+                    buffer: self.arguments,
+                    offset,
+                    bytes,
+                    cause: CAUSES[1],
+                });
             }
             change.clusters_touched += 1;
         }
@@ -317,30 +324,12 @@ impl Resident<TrunkLevel> for CutResident {
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
         let (change, writes) = self.step(*to);
-        let regions: Vec<Region<'_>> = writes
-            .iter()
-            .map(|(buffer, offset, bytes, cause)| Region {
-                buffer: *buffer,
-                offset: *offset,
-                bytes,
-                cause: *cause,
-            })
-            .collect();
-        send(queue, self.model.gather, &regions)?;
+        send_writes(queue, self.model.gather, &writes)?;
         Ok(change)
     }
 
     fn price(&self, to: &TrunkLevel) -> u64 {
-        match self.model.mode {
-            TrunkMode::Host => 0,
-            TrunkMode::Device => {
-                let (_, writes) = self.clone().step(*to);
-                writes
-                    .iter()
-                    .map(|(_, _, bytes, _)| bytes.len() as u64)
-                    .sum()
-            }
-        }
+        self.model.mode.price(&self.clone().step(*to).1)
     }
 
     fn host_bytes(&self) -> u64 {

@@ -31,6 +31,7 @@ mod program;
 mod shape;
 mod strips;
 mod surface;
+mod writes;
 
 use std::sync::Arc;
 

@@ -13,13 +13,13 @@
 use std::sync::Arc;
 
 use super::surface::{TRUNK, TrunkShared, upload_trunk};
+use super::writes::{Write, send_writes};
 use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    Queue, Region, Step, Usage,
+    Queue, Step, Usage,
 };
 use crate::math::index_u32;
-use crate::models::lodf::send;
 use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
 use crate::simplify::{VertexCollapses, lowest_first};
 
@@ -297,9 +297,6 @@ struct MomResident {
     content: Vec<u32>,
 }
 
-/// A buffer, where in it, the bytes, and why.
-type Write = (BufferId, u64, Vec<u8>, Cause);
-
 impl MomResident {
     /// Goes over to a level on the host; returns what that takes, and what the buffers lack then.
     fn step(&mut self, to: TrunkLevel) -> (Change, Vec<Write>) {
@@ -319,7 +316,12 @@ impl MomResident {
                     .iter()
                     .flat_map(|&record| plan.bytes(record))
                     .collect();
-                writes.push((self.triangles, 0, bytes, CAUSES[0]));
+                writes.push(Write {
+                    buffer: self.triangles,
+                    offset: 0,
+                    bytes,
+                    cause: CAUSES[0],
+                });
                 self.content = content;
             }
             TrunkMode::Device => {
@@ -327,12 +329,22 @@ impl MomResident {
                 change.host_records = read + slots.len() as u64;
                 for slot in slots {
                     let bytes = plan.bytes(self.content[slot as usize]).collect();
-                    writes.push((self.triangles, 12 * u64::from(slot), bytes, CAUSES[0]));
+                    writes.push(Write {
+                        buffer: self.triangles,
+                        offset: 12 * u64::from(slot),
+                        bytes,
+                        cause: CAUSES[0],
+                    });
                 }
             }
         }
         if plan.counts[from.collapses as usize] != plan.counts[to.collapses as usize] {
-            writes.push((self.arguments, 0, count.to_vec(), CAUSES[1]));
+            writes.push(Write {
+                buffer: self.arguments,
+                offset: 0,
+                bytes: count.to_vec(),
+                cause: CAUSES[1],
+            });
         }
         (change, writes)
     }
@@ -345,30 +357,12 @@ impl Resident<TrunkLevel> for MomResident {
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
         let (change, writes) = self.step(*to);
-        let regions: Vec<Region<'_>> = writes
-            .iter()
-            .map(|(buffer, offset, bytes, cause)| Region {
-                buffer: *buffer,
-                offset: *offset,
-                bytes,
-                cause: *cause,
-            })
-            .collect();
-        send(queue, self.model.gather, &regions)?;
+        send_writes(queue, self.model.gather, &writes)?;
         Ok(change)
     }
 
     fn price(&self, to: &TrunkLevel) -> u64 {
-        match self.model.mode {
-            TrunkMode::Host => 0,
-            TrunkMode::Device => {
-                let (_, writes) = self.clone().step(*to);
-                writes
-                    .iter()
-                    .map(|(_, _, bytes, _)| bytes.len() as u64)
-                    .sum()
-            }
-        }
+        self.model.mode.price(&self.clone().step(*to).1)
     }
 
     fn host_bytes(&self) -> u64 {

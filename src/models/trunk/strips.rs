@@ -12,13 +12,12 @@
 use std::sync::Arc;
 
 use super::surface::{TRUNK, TrunkShared, upload_trunk};
+use super::writes::{Write, send_writes};
 use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, Queue, RESTART, Region,
-    Step, Usage,
+    BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, Queue, RESTART, Step, Usage,
 };
 use crate::math::index_u32;
-use crate::models::lodf::send;
 use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
 use crate::simplify::{VertexCollapses, strips_of};
 
@@ -132,7 +131,7 @@ struct StripsResident {
 
 impl StripsResident {
     /// Goes over to a level on the host; returns what that takes, and what the buffer lacks then.
-    fn step(&mut self, to: TrunkLevel) -> (Change, Vec<(u64, Vec<u8>)>) {
+    fn step(&mut self, to: TrunkLevel) -> (Change, Vec<Write>) {
         let LodStrips { trunk, plan, .. } = &self.model;
         let collapses = trunk.collapses();
         let content = &mut self.content;
@@ -143,16 +142,16 @@ impl StripsResident {
         self.level = to;
         // Places side by side go together.
         let runs = places.chunk_by(|a, b| a + 1 == *b);
-        let writes: Vec<(u64, Vec<u8>)> = runs
-            .map(|run| {
-                let words = run.iter().map(|&place| content[place as usize]);
-                (
-                    4 * u64::from(run[0]),
-                    words.flat_map(u32::to_le_bytes).collect(),
-                )
-            })
-            .collect();
-        (change, writes)
+        let writes = runs.map(|run| {
+            let words = run.iter().map(|&place| content[place as usize]);
+            Write {
+                buffer: self.strips,
+                offset: 4 * u64::from(run[0]),
+                bytes: words.flat_map(u32::to_le_bytes).collect(),
+                cause: STRIP,
+            }
+        });
+        (change, writes.collect())
     }
 }
 
@@ -163,27 +162,12 @@ impl Resident<TrunkLevel> for StripsResident {
 
     fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
         let (change, writes) = self.step(*to);
-        let regions: Vec<Region<'_>> = writes
-            .iter()
-            .map(|(offset, bytes)| Region {
-                buffer: self.strips,
-                offset: *offset,
-                bytes,
-                cause: STRIP,
-            })
-            .collect();
-        send(queue, self.model.gather, &regions)?;
+        send_writes(queue, self.model.gather, &writes)?;
         Ok(change)
     }
 
     fn price(&self, to: &TrunkLevel) -> u64 {
-        match self.model.mode {
-            TrunkMode::Host => 0,
-            TrunkMode::Device => {
-                let (_, writes) = self.clone().step(*to);
-                writes.iter().map(|(_, bytes)| bytes.len() as u64).sum()
-            }
-        }
+        self.model.mode.price(&self.clone().step(*to).1)
     }
 
     fn host_bytes(&self) -> u64 {
