@@ -39,10 +39,11 @@ pub(super) fn sweep(
         link: prepared.options.link,
         card: prepared.options.card,
     };
+    let shard = options.drawing.shard.unwrap_or(Shard::WHOLE);
     let walk = run::SweepOptions {
         variants: variants.unwrap_or_else(|| all_on(prepared.options.card)),
         steps: options.steps,
-        shard: options.drawing.shard.unwrap_or(Shard::WHOLE),
+        shard,
         session: prepared.options,
     };
     let sweep = run::sweep(&prepared.scene, &prepared.world, &walk, &progress)?;
@@ -52,7 +53,7 @@ pub(super) fn sweep(
             let look = LookOptions {
                 steps: options.steps,
                 looks: options.quality_steps,
-                shard: options.drawing.shard.unwrap_or(Shard::WHOLE),
+                shard,
                 session: prepared.options,
             };
             let mut meter = QualityMeter::default();

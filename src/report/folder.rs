@@ -131,14 +131,11 @@ impl OutputFolder {
     ///
     /// # Errors
     ///
-    /// As [`file`](Self::file), and when it cannot be copied; a pipe or device is refused.
+    /// As [`file`](Self::file), and when it cannot be read or written; a pipe or device is refused.
     pub(super) fn copy(&self, from: &Path, name: &str) -> Result<(), ReportError> {
         let is_file = fs::metadata(from).is_ok_and(|metadata| metadata.is_file());
         if !is_file {
-            return Err(ReportError::Image {
-                file: from.to_owned(),
-                message: "cannot read: no such file".to_owned(),
-            });
+            return Err(unread(from, "no such file"));
         }
         let path = self.file(name)?;
         let copied = fs::copy(from, path);
@@ -153,7 +150,7 @@ impl OutputFolder {
     pub(super) fn copy_below(&self, from: &Path, name: &str) -> Result<(), ReportError> {
         // Made on the way to a file in it, which is never written: it may be empty.
         self.file(&format!("{name}/x"))?;
-        let failed = |cause| self.failed(name, cause);
+        let failed = |cause: io::Error| unread(from, cause);
         let entries = fs::read_dir(from).map_err(failed)?;
         for entry in entries {
             let entry = entry.map_err(failed)?;
@@ -224,6 +221,15 @@ impl Drop for OutputFolder {
             return;
         }
         remove_empty(&self.created);
+    }
+}
+
+/// What is to be joined cannot be read: a fault of the input.
+fn unread(file: &Path, why: impl std::fmt::Display) -> ReportError {
+    ReportError::Shard {
+        file: file.to_owned(),
+        line: 0,
+        message: format!("cannot read: {why}"),
     }
 }
 

@@ -44,7 +44,7 @@ pub use file::write_file;
 pub use folder::{MARKER, OutputFolder};
 pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
-pub use number::{decimal, grouped};
+pub use number::{decimal, grouped, hundredths};
 pub use plot::{Plot, Series};
 pub use quality::{
     PictureView, QualityMeter, QualitySummary, Spread, StepQuality, SweepQuality, ViewQuality,

@@ -61,6 +61,12 @@ pub(super) fn short(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number of hundredths with both digits, such as `0.07`.
+#[must_use]
+pub fn hundredths(value: u64) -> String {
+    format!("{}.{:02}", value / 100, value % 100)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::run::json;
-use super::{Cell, Column, Table, decimal, grouped};
+use super::{Cell, Column, Table, decimal, grouped, hundredths};
 use crate::models::{Crown, Kind, ModelOptions};
 
 /// The value of `schema` in the JSON of a storage report.
@@ -257,10 +257,6 @@ fn printed_cell(printed: &[PrintedSize]) -> Cell {
         format!("{} ({})", hundredths(*size), tables.join(", "))
     };
     Cell::Text(sizes.iter().map(text).collect::<Vec<String>>().join(", "))
-}
-
-fn hundredths(size: u64) -> String {
-    format!("{}.{:02}", size / 100, size % 100)
 }
 
 /// Why figures differ.

@@ -2,7 +2,7 @@
 //! trees of the same names.
 
 use crate::models::Kind;
-use crate::report::{Cell, Column, StorageReport, Table, is_paper_tree};
+use crate::report::{Cell, Column, StorageReport, Table, hundredths, is_paper_tree};
 use crate::simplify::{PUBLISHED_ROWS, PublishedCell, PublishedRow, mebibyte_hundredths};
 
 /// The paper's tables in their order, with notes; nothing where none of the trees is of the paper.
@@ -116,10 +116,6 @@ fn built(report: &StorageReport, kind: Kind) -> Cell {
 fn marked(text: String, corrupt: bool) -> Cell {
     let mark = if corrupt { "!" } else { "" };
     Cell::Text(text + mark)
-}
-
-fn hundredths(value: u64) -> String {
-    format!("{:0.2}", value as f64 / 100.0)
 }
 
 /// What is known of a row's corrupt cells.
