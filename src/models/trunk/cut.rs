@@ -15,18 +15,18 @@
 //! beyond is dead.
 
 use std::ops::Range;
-use std::sync::Arc;
 
+use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
 use super::strips::{NO_TRIANGLE, StripPlan};
-use super::surface::{TRUNK, TrunkShared, upload_trunk};
-use super::writes::{Write, send_writes};
-use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
+use super::surface::trunk_buffer;
+use super::writes::Write;
+use super::{TRUNK_GROUP, TrunkLevel, TrunkMode, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    Queue, RESTART, Step, Usage,
+    RESTART, Step, Usage,
 };
 use crate::math::index_u32;
-use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
+use crate::models::Change;
 use crate::simplify::VertexCollapses;
 
 /// Why places of strips, and their number, are sent.
@@ -38,47 +38,205 @@ const BLOCK_PLACES: u32 = 256;
 
 /// LodStrips with runs cut out.
 ///
-/// Host memory: 32 bytes a vertex (for `Host`); then the structures of [`StripPlan::host_bytes`].
+/// Host memory: 32 bytes a vertex (for `Host`); then the structures of [`StripPlan::host_words`].
 /// Device memory for `Device`: 32 bytes a vertex once; 4 bytes a place and 16 bytes of draw arguments
 /// a block for each instance.
+pub(super) type Cut = Planned<CutPlan>;
+
+/// Strips of fixed length, and what blocks they lie in.
 #[derive(Debug, Clone)]
-pub(super) struct Cut {
-    trunk: Arc<Trunk>,
-    mode: TrunkMode,
-    gather: Gather,
-    plan: Arc<StripPlan>,
+pub(super) struct CutPlan {
+    strips: StripPlan,
     /// The strips of each block.
-    blocks: Arc<Vec<Range<u32>>>,
+    blocks: Vec<Range<u32>>,
 }
 
-impl Cut {
-    pub(super) fn new(trunk: Arc<Trunk>, mode: TrunkMode, gather: Gather) -> Self {
-        let plan = StripPlan::of(trunk.collapses());
+/// The short strips of an instance.
+#[derive(Debug, Clone)]
+pub(super) struct CutStrips {
+    strips: BufferId,
+    arguments: BufferId,
+    /// The strips of fixed length.
+    content: Vec<u32>,
+    /// The places of each block that are drawn: the same as in the buffer.
+    drawn: Vec<Vec<u32>>,
+}
+
+impl TrunkPlan for CutPlan {
+    const NAME: TrunkName = TrunkName::LodStripsCut;
+    type Instance = CutStrips;
+
+    fn of(collapses: &VertexCollapses) -> Self {
+        let strips = StripPlan::of(collapses);
         Self {
-            blocks: Arc::new(blocks(&plan)),
-            plan: Arc::new(plan),
-            trunk,
-            mode,
-            gather,
+            blocks: blocks(&strips),
+            strips,
         }
     }
 
+    fn host_bytes(model: &Planned<Self>) -> Vec<u8> {
+        model.plan.strips.host_words(model.trunk.collapses())
+    }
+
+    fn sizes(model: &Planned<Self>) -> PlanSizes {
+        let (plan, collapses) = (&model.plan, model.trunk.collapses());
+        let arguments = IndirectRecord::STRIDE * plan.blocks.len() as u64;
+        let places = 4 * plan.strips.finest.len() as u64;
+        let finest = |block| {
+            let content = &plan.strips.finest;
+            plan.places(collapses, block, content, TrunkLevel::FINEST)
+                .len()
+        };
+        let drawn: usize = plan.blocks.iter().map(finest).sum();
+        PlanSizes {
+            host: plan.strips.host_size(collapses),
+            instance: places + arguments,
+            kept: 4 + places + 4 * drawn as u64,
+        }
+    }
+
+    fn instance(
+        model: &Planned<Self>,
+        device: &mut Device,
+        level: TrunkLevel,
+        number: u32,
+    ) -> Result<Drawn<CutStrips>, GpuError> {
+        let (plan, collapses) = (&model.plan, model.trunk.collapses());
+        let content = plan.strips.at(collapses, level);
+        let mut bytes = vec![0; 4 * content.len()];
+        let mut arguments = Vec::new();
+        let mut drawn = Vec::new();
+        for block in &plan.blocks {
+            let places = plan.places(collapses, block, &content, level);
+            let start = plan.strips.starts[block.start as usize];
+            let words = places.iter().flat_map(|place| place.to_le_bytes());
+            for (byte, word) in bytes[4 * start as usize..].iter_mut().zip(words) {
+                *byte = word;
+            }
+            let record = IndirectRecord {
+                corner_count: index_u32(places.len()),
+                instances: 1,
+                first_corner: start,
+                instance: number,
+            };
+            arguments.extend(record.to_bytes());
+            drawn.push(places);
+        }
+        let mut make = |label, usage, bytes: &[u8]| {
+            let descriptor = BufferDescriptor {
+                label,
+                size: bytes.len() as u64,
+                usage,
+                residency: model.mode.residency(),
+            };
+            trunk_buffer(device, &descriptor, bytes)
+        };
+        let strips = make("trunk strips", Usage::INDEX, &bytes)?;
+        let arguments = make("trunk draw arguments", Usage::INDIRECT, &arguments)?;
+        Ok(Drawn {
+            indices: strips,
+            draw: Step::DrawIndirect(DrawIndirect {
+                source: Corners::Strips,
+                arguments,
+                offset: 0,
+                count: index_u32(drawn.len()),
+                group: TRUNK_GROUP,
+            }),
+            instance: CutStrips {
+                strips,
+                arguments,
+                content,
+                drawn,
+            },
+        })
+    }
+
+    fn step(
+        model: &Planned<Self>,
+        cut: &mut CutStrips,
+        [from, to]: [TrunkLevel; 2],
+    ) -> (Change, Vec<Write>) {
+        let Self { strips, blocks } = &*model.plan;
+        let collapses = model.trunk.collapses();
+        let (places, host_records) = strips.change(collapses, &mut cut.content, from, to);
+        let mut change = Change {
+            host_records,
+            ..Change::default()
+        };
+        let block_of = |&place: &u32| {
+            let strip = strips.strip_of(place);
+            blocks.partition_point(|block| block.end <= strip)
+        };
+        let mut touched: Vec<usize> = places.iter().map(block_of).collect();
+        touched.dedup();
+        let mut writes: Vec<Write> = Vec::new();
+        for number in touched {
+            let block = &blocks[number];
+            let wanted = model.plan.places(collapses, block, &cut.content, to);
+            let held = std::mem::replace(&mut cut.drawn[number], wanted);
+            let wanted = &cut.drawn[number];
+            // Every place of the block was read, those that are drawn were written.
+            let ends = [block.start, block.end].map(|strip| strips.starts[strip as usize]);
+            change.host_records += u64::from(ends[1] - ends[0]) + wanted.len() as u64;
+            let differs = |&place: &usize| held.get(place) != wanted.get(place);
+            let mut changed = (0..wanted.len()).filter(differs);
+            if let Some(first) = changed.next() {
+                let last = changed.next_back().unwrap_or(first);
+                let words = wanted[first..=last].iter();
+                let bytes = words.flat_map(|word| word.to_le_bytes()).collect();
+                let offset = 4 * (u64::from(ends[0]) + first as u64);
+                writes.push(Write {
+                    buffer: cut.strips,
+                    offset,
+                    bytes,
+                    cause: CAUSES[0],
+                });
+            }
+            if held.len() != wanted.len() {
+                let bytes = index_u32(wanted.len()).to_le_bytes().to_vec();
+                let offset = IndirectRecord::STRIDE * number as u64;
+                writes.push(Write {
+                    buffer: cut.arguments,
+                    offset,
+                    bytes,
+                    cause: CAUSES[1],
+                });
+            }
+            change.clusters_touched += 1;
+        }
+        (change, writes)
+    }
+
+    fn instance_host_bytes(model: &Planned<Self>, cut: &CutStrips) -> u64 {
+        let content = 4 * cut.content.len() as u64;
+        let drawn = cut.drawn.iter().map(|places| 4 * places.len() as u64);
+        let records = IndirectRecord::STRIDE * cut.drawn.len() as u64;
+        content
+            + drawn.sum::<u64>()
+            + match model.mode {
+                TrunkMode::Host => content + records,
+                TrunkMode::Device => 0,
+            }
+    }
+}
+
+impl CutPlan {
     /// The places of a block that are drawn at a level, made of the strips of fixed length.
-    fn places(&self, block: &Range<u32>, content: &[u32], level: TrunkLevel) -> Vec<u32> {
-        let collapses = self.trunk.collapses();
+    fn places(
+        &self,
+        collapses: &VertexCollapses,
+        block: &Range<u32>,
+        content: &[u32],
+        level: TrunkLevel,
+    ) -> Vec<u32> {
         let mut places = Vec::new();
         for strip in block.clone() {
-            let strip = self.plan.starts[strip as usize] as usize
-                ..self.plan.starts[strip as usize + 1] as usize - 1;
-            let triangles = &self.plan.triangles[strip.clone()];
+            let strip = self.strips.starts[strip as usize] as usize
+                ..self.strips.starts[strip as usize + 1] as usize - 1;
+            let triangles = &self.strips.triangles[strip.clone()];
             cut_strip(&content[strip], triangles, collapses, level, &mut places);
         }
         places
-    }
-
-    /// Where a block begins.
-    fn start(&self, block: &Range<u32>) -> u32 {
-        self.plan.starts[block.start as usize]
     }
 }
 
@@ -143,216 +301,6 @@ fn cut_strip(
     }
 }
 
-impl TrunkModel for Cut {
-    fn kind(&self) -> TrunkKind {
-        TrunkKind {
-            name: TrunkName::LodStripsCut,
-            mode: self.mode,
-        }
-    }
-
-    fn trunk(&self) -> &Arc<Trunk> {
-        &self.trunk
-    }
-
-    fn upload(
-        &self,
-        device: &mut Device,
-        environment: &Environment,
-    ) -> Result<Box<dyn Shared<TrunkLevel>>, GpuError> {
-        let model = self.clone();
-        let shared = upload_trunk(device, environment, model, &self.trunk, self.mode)?;
-        Ok(Box::new(shared))
-    }
-
-    fn host_bytes(&self) -> Vec<u8> {
-        let vertices = self.mode.host_vertex_bytes(&self.trunk);
-        [vertices, self.plan.host_bytes(self.trunk.collapses())].concat()
-    }
-
-    fn storage(&self) -> Storage {
-        let arguments = IndirectRecord::STRIDE * self.blocks.len() as u64;
-        let places = 4 * self.plan.finest.len() as u64;
-        let host = self.plan.host_size(self.trunk.collapses());
-        let finest = |block| {
-            self.places(block, &self.plan.finest, TrunkLevel::FINEST)
-                .len()
-        };
-        let drawn: usize = self.blocks.iter().map(finest).sum();
-        let kept = 4 + places + 4 * drawn as u64;
-        self.mode
-            .storage(&self.trunk, host, places + arguments, kept)
-    }
-}
-
-impl Shared<TrunkLevel> for TrunkShared<Cut> {
-    fn instance(
-        &self,
-        device: &mut Device,
-        level: &TrunkLevel,
-        number: u32,
-    ) -> Result<Box<dyn Resident<TrunkLevel>>, GpuError> {
-        let model = self.model.clone();
-        let content = model.plan.at(model.trunk.collapses(), *level);
-        let mut bytes = vec![0; 4 * content.len()];
-        let mut arguments = Vec::new();
-        let mut drawn = Vec::new();
-        for block in model.blocks.iter() {
-            let places = model.places(block, &content, *level);
-            let start = model.start(block);
-            let words = places.iter().flat_map(|place| place.to_le_bytes());
-            for (byte, word) in bytes[4 * start as usize..].iter_mut().zip(words) {
-                *byte = word;
-            }
-            let record = IndirectRecord {
-                corner_count: index_u32(places.len()),
-                instances: 1,
-                first_corner: start,
-                instance: number,
-            };
-            arguments.extend(record.to_bytes());
-            drawn.push(places);
-        }
-        let mut make = |label, usage, bytes: &[u8]| {
-            let buffer = device.create_buffer(&BufferDescriptor {
-                label,
-                size: bytes.len() as u64,
-                usage,
-                residency: model.mode.residency(),
-            })?;
-            device.queue().write(buffer, 0, bytes, TRUNK)?;
-            Ok(buffer)
-        };
-        let strips = make("trunk strips", Usage::INDEX, &bytes)?;
-        let arguments = make("trunk draw arguments", Usage::INDIRECT, &arguments)?;
-        let mut steps = self.surface.bind(self.vertices, strips);
-        steps.push(Step::DrawIndirect(DrawIndirect {
-            source: Corners::Strips,
-            arguments,
-            offset: 0,
-            count: index_u32(drawn.len()),
-            group: TRUNK_GROUP,
-        }));
-        Ok(Box::new(CutResident {
-            model,
-            strips,
-            arguments,
-            steps,
-            level: *level,
-            content,
-            drawn,
-        }))
-    }
-}
-
-#[derive(Debug, Clone)]
-struct CutResident {
-    model: Cut,
-    strips: BufferId,
-    arguments: BufferId,
-    steps: Vec<Step>,
-    level: TrunkLevel,
-    /// The strips of fixed length.
-    content: Vec<u32>,
-    /// The places of each block that are drawn: the same as in the buffer.
-    drawn: Vec<Vec<u32>>,
-}
-
-impl CutResident {
-    /// Goes over to a level on the host; returns what that takes, and what the buffers lack then.
-    fn step(&mut self, to: TrunkLevel) -> (Change, Vec<Write>) {
-        let Cut {
-            trunk,
-            plan,
-            blocks,
-            ..
-        } = &self.model;
-        let collapses = trunk.collapses();
-        let (places, records) = plan.change(collapses, &mut self.content, self.level, to);
-        let mut change = self.level.change_to(to);
-        change.host_records = records;
-        self.level = to;
-        let block_of = |&place: &u32| {
-            let strip = plan.strip_of(place);
-            blocks.partition_point(|block| block.end <= strip)
-        };
-        let mut touched: Vec<usize> = places.iter().map(block_of).collect();
-        touched.dedup();
-        let mut writes: Vec<Write> = Vec::new();
-        for number in touched {
-            let block = &blocks[number];
-            let wanted = self.model.places(block, &self.content, to);
-            let held = std::mem::replace(&mut self.drawn[number], wanted);
-            let wanted = &self.drawn[number];
-            // Every place of the block was read, those that are drawn were written.
-            let ends = [block.start, block.end].map(|strip| plan.starts[strip as usize]);
-            change.host_records += u64::from(ends[1] - ends[0]) + wanted.len() as u64;
-            let differs = |&place: &usize| held.get(place) != wanted.get(place);
-            let mut changed = (0..wanted.len()).filter(differs);
-            if let Some(first) = changed.next() {
-                let last = changed.next_back().unwrap_or(first);
-                let words = wanted[first..=last].iter();
-                let bytes = words.flat_map(|word| word.to_le_bytes()).collect();
-                let offset = 4 * (u64::from(ends[0]) + first as u64);
-                writes.push(Write {
-                    buffer: self.strips,
-                    offset,
-                    bytes,
-                    cause: CAUSES[0],
-                });
-            }
-            if held.len() != wanted.len() {
-                let bytes = index_u32(wanted.len()).to_le_bytes().to_vec();
-                let offset = IndirectRecord::STRIDE * number as u64;
-                writes.push(Write {
-                    buffer: self.arguments,
-                    offset,
-                    bytes,
-                    cause: CAUSES[1],
-                });
-            }
-            change.clusters_touched += 1;
-        }
-        (change, writes)
-    }
-}
-
-impl Resident<TrunkLevel> for CutResident {
-    fn state(&self) -> &TrunkLevel {
-        &self.level
-    }
-
-    fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
-        let (change, writes) = self.step(*to);
-        send_writes(queue, self.model.gather, &writes)?;
-        Ok(change)
-    }
-
-    fn price(&self, to: &TrunkLevel) -> u64 {
-        self.model.mode.price(&self.clone().step(*to).1)
-    }
-
-    fn host_bytes(&self) -> u64 {
-        let content = 4 * self.content.len() as u64;
-        let drawn: u64 = self
-            .drawn
-            .iter()
-            .map(|places| 4 * places.len() as u64)
-            .sum();
-        let records = IndirectRecord::STRIDE * self.drawn.len() as u64;
-        4 + content
-            + drawn
-            + match self.model.mode {
-                TrunkMode::Host => content + records,
-                TrunkMode::Device => 0,
-            }
-    }
-
-    fn draw(&self, steps: &mut Vec<Step>) {
-        steps.extend_from_slice(&self.steps);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::strips::shown;
@@ -360,16 +308,16 @@ mod tests {
 
     #[test]
     fn what_is_left_shows_the_same_and_is_never_longer() {
-        let trunk = Arc::new(super::super::examples::branch(6, 5));
-        let model = Cut::new(Arc::clone(&trunk), TrunkMode::Device, Gather::Single);
+        let trunk = super::super::examples::branch(6, 5);
+        let plan = CutPlan::of(trunk.collapses());
         let mut shorter = 0;
         for collapses in 0..=trunk.collapses().collapse_count() {
             let level = TrunkLevel { collapses };
-            let content = model.plan.at(trunk.collapses(), level);
-            for block in model.blocks.iter() {
-                let places = model.places(block, &content, level);
+            let content = plan.strips.at(trunk.collapses(), level);
+            for block in &plan.blocks {
+                let places = plan.places(trunk.collapses(), block, &content, level);
                 let [from, to] = [block.start, block.end]
-                    .map(|strip| model.plan.starts[strip as usize] as usize);
+                    .map(|strip| plan.strips.starts[strip as usize] as usize);
                 let whole = &content[from..to - 1];
                 assert_eq!(shown(&places), shown(whole), "level {collapses}");
                 assert!(places.len() <= whole.len());

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::surface::{Surface, TRUNK, upload_vertices, vertex_bytes};
+use super::surface::{Surface, trunk_buffer, upload_vertices, vertex_bytes};
 use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
 use crate::gpu::{BufferDescriptor, BufferId, Corners, Device, Draw, GpuError, Queue, Step, Usage};
 use crate::math::index_u32;
@@ -45,13 +45,13 @@ impl TrunkModel for Full {
         let residency = self.mode.residency();
         let vertices = upload_vertices(device, &mesh_vertices(mesh), residency)?;
         let bytes = mesh_indices(mesh);
-        let indices = device.create_buffer(&BufferDescriptor {
+        let descriptor = BufferDescriptor {
             label: "trunk indices",
             size: bytes.len() as u64,
             usage: Usage::INDEX,
             residency,
-        })?;
-        device.queue().write(indices, 0, &bytes, TRUNK)?;
+        };
+        let indices = trunk_buffer(device, &descriptor, &bytes)?;
         Ok(Box::new(FullShared {
             vertices,
             indices,

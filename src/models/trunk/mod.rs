@@ -16,6 +16,17 @@
 //! | lodstrips-cut | vertices once, blocks of short strips | of each changed block the places from the first to the last that differ, and their number (4 B) |
 //! | mom | vertices once, a list of triangles | 12 B a slot that differs, and their number (4 B) |
 //!
+//! # One level
+//!
+//! A trunk has one level over all of it, also in a tree whose foliage has variable detail; it follows how
+//! many of the leaves' collapses are done. LodStrips has nothing else: [RRCGR](crate::references),
+//! section III, describes one sequence of collapses and how the strips change along it, and claims
+//! variable resolution for foliage alone (sections IV and VII). MOM does have a variable form, which
+//! [RLBRC01](crate::references) is about by its title; but none of its text was at hand beyond what
+//! [RRCGR](crate::references) says of it, and of the variable test behind Figure 15 that only says that
+//! changes are variable, not where in the trunk. A form of our own would be compared with nothing, so
+//! there is none: in variable tests both rivals' trunks change as a whole.
+//!
 //! **Invariant.** At equal levels all kinds but full show the same triangles of the same vertices, the
 //! lowest corner first: their pictures are equal bit for bit. The full one keeps the mesh's own order
 //! of vertices, which decides ties of depth and the last bits of what is interpolated.
@@ -27,6 +38,7 @@ mod full;
 mod level;
 mod mode;
 mod mom;
+mod planned;
 mod program;
 mod shape;
 mod strips;

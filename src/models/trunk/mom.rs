@@ -10,17 +10,16 @@
 //! on the device, and a change writes the slots that differ. A triangle that changes keeps its slot;
 //! into the slot of one that goes comes the last one. So slots are a pure function of the level.
 
-use std::sync::Arc;
-
-use super::surface::{TRUNK, TrunkShared, upload_trunk};
-use super::writes::{Write, send_writes};
-use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
+use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
+use super::surface::trunk_buffer;
+use super::writes::Write;
+use super::{TRUNK_GROUP, TrunkLevel, TrunkMode, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    Queue, Step, Usage,
+    Step, Usage,
 };
 use crate::math::index_u32;
-use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
+use crate::models::Change;
 use crate::simplify::{VertexCollapses, lowest_first};
 
 /// Why triangles, and their number, are sent.
@@ -33,12 +32,15 @@ const CAUSES: [Cause; 2] = [Cause::of("triangle"), Cause::of("triangle-count")];
 /// slot that a collapse changes, with the triangle before and after (12 bytes), and where the slots
 /// of each collapse begin (4 bytes, and the end). Device memory for `Device`: 32 bytes a vertex once;
 /// 12 bytes a triangle of full detail and 16 bytes of draw arguments for each instance.
+pub(super) type Mom = Planned<MomPlan>;
+
+/// The triangles of an instance.
 #[derive(Debug, Clone)]
-pub(super) struct Mom {
-    trunk: Arc<Trunk>,
-    mode: TrunkMode,
-    gather: Gather,
-    plan: Arc<MomPlan>,
+pub(super) struct MomTriangles {
+    triangles: BufferId,
+    arguments: BufferId,
+    /// The records in the buffer.
+    content: Vec<u32>,
 }
 
 /// A triangle with the levels at which it is there.
@@ -49,8 +51,9 @@ struct Record {
     death: u32,
 }
 
+/// All triangles of any level, and the slots that they have on the device.
 #[derive(Debug, Clone)]
-struct MomPlan {
+pub(super) struct MomPlan {
     /// By birth.
     records: Vec<Record>,
     /// `[slot, record before, record after]`, collapse by collapse.
@@ -60,7 +63,10 @@ struct MomPlan {
     counts: Vec<u32>,
 }
 
-impl MomPlan {
+impl TrunkPlan for MomPlan {
+    const NAME: TrunkName = TrunkName::Mom;
+    type Instance = MomTriangles;
+
     fn of(collapses: &VertexCollapses) -> Self {
         let levels = collapses.collapse_count();
         let mut records: Vec<Record> = Vec::new();
@@ -134,6 +140,137 @@ impl MomPlan {
         }
     }
 
+    fn host_bytes(model: &Planned<Self>) -> Vec<u8> {
+        let plan = &model.plan;
+        let records = plan.records.iter().flat_map(|record| {
+            let [a, b, c] = record.vertices;
+            [a, b, c, record.birth, record.death]
+        });
+        let mut words: Vec<u32> = records.collect();
+        if model.mode == TrunkMode::Device {
+            words.extend(plan.slots.iter().flatten().chain(&plan.starts));
+        }
+        words.into_iter().flat_map(u32::to_le_bytes).collect()
+    }
+
+    fn sizes(model: &Planned<Self>) -> PlanSizes {
+        let plan = &model.plan;
+        let slots = 12 * plan.slots.len() as u64 + 4 * plan.starts.len() as u64;
+        let triangles = u64::from(plan.counts[0]);
+        PlanSizes {
+            host: 20 * plan.records.len() as u64
+                + match model.mode {
+                    TrunkMode::Host => 0,
+                    TrunkMode::Device => slots,
+                },
+            instance: 12 * triangles + IndirectRecord::STRIDE,
+            kept: 4 + 4 * triangles,
+        }
+    }
+
+    fn instance(
+        model: &Planned<Self>,
+        device: &mut Device,
+        level: TrunkLevel,
+        number: u32,
+    ) -> Result<Drawn<MomTriangles>, GpuError> {
+        let plan = &model.plan;
+        let content = match model.mode {
+            TrunkMode::Host => plan.scan(level).0,
+            TrunkMode::Device => plan.slots_at(level),
+        };
+        let arguments = IndirectRecord {
+            corner_count: 3 * plan.counts[level.collapses as usize],
+            instances: 1,
+            first_corner: 0,
+            instance: number,
+        };
+        let bytes = plan.bytes_of(&content);
+        let mut make = |label, size, usage, bytes: &[u8]| {
+            let descriptor = BufferDescriptor {
+                label,
+                size,
+                usage,
+                residency: model.mode.residency(),
+            };
+            trunk_buffer(device, &descriptor, bytes)
+        };
+        let size = 12 * u64::from(plan.counts[0]);
+        let triangles = make("trunk triangles", size, Usage::INDEX, &bytes)?;
+        let record = arguments.to_bytes();
+        let size = IndirectRecord::STRIDE;
+        let arguments = make("trunk draw arguments", size, Usage::INDIRECT, &record)?;
+        Ok(Drawn {
+            indices: triangles,
+            draw: Step::DrawIndirect(DrawIndirect {
+                source: Corners::Indexed,
+                arguments,
+                offset: 0,
+                count: 1,
+                group: TRUNK_GROUP,
+            }),
+            instance: MomTriangles {
+                triangles,
+                arguments,
+                content,
+            },
+        })
+    }
+
+    fn step(
+        model: &Planned<Self>,
+        held: &mut MomTriangles,
+        [from, to]: [TrunkLevel; 2],
+    ) -> (Change, Vec<Write>) {
+        let plan = &model.plan;
+        let mut change = Change::default();
+        let mut writes: Vec<Write> = Vec::new();
+        if from == to {
+            return (change, writes);
+        }
+        let write = |slot: u32, bytes| Write {
+            buffer: held.triangles,
+            offset: 12 * u64::from(slot),
+            bytes,
+            cause: CAUSES[0],
+        };
+        match model.mode {
+            TrunkMode::Host => {
+                let (content, read) = plan.scan(to);
+                change.host_records = read + content.len() as u64;
+                writes.push(write(0, plan.bytes_of(&content)));
+                held.content = content;
+            }
+            TrunkMode::Device => {
+                let (slots, read) = plan.move_slots(&mut held.content, from, to);
+                change.host_records = read + slots.len() as u64;
+                let content = &held.content;
+                let bytes = |slot: u32| plan.bytes_of(&content[slot as usize..][..1]);
+                writes.extend(slots.into_iter().map(|slot| write(slot, bytes(slot))));
+            }
+        }
+        let [before, after] = [from, to].map(|level| plan.counts[level.collapses as usize]);
+        if before != after {
+            writes.push(Write {
+                buffer: held.arguments,
+                offset: 0,
+                bytes: (3 * after).to_le_bytes().to_vec(),
+                cause: CAUSES[1],
+            });
+        }
+        (change, writes)
+    }
+
+    fn instance_host_bytes(model: &Planned<Self>, held: &MomTriangles) -> u64 {
+        4 * held.content.len() as u64
+            + match model.mode {
+                TrunkMode::Host => 12 * u64::from(model.plan.counts[0]) + IndirectRecord::STRIDE,
+                TrunkMode::Device => 0,
+            }
+    }
+}
+
+impl MomPlan {
     fn slots_of(&self, collapse: u32) -> &[[u32; 3]] {
         let ends = &self.starts[collapse as usize..collapse as usize + 2];
         &self.slots[ends[0] as usize..ends[1] as usize]
@@ -163,240 +300,28 @@ impl MomPlan {
         )
     }
 
-    fn bytes(&self, record: u32) -> impl Iterator<Item = u8> {
-        let vertices = self.records[record as usize].vertices;
-        vertices.into_iter().flat_map(u32::to_le_bytes)
-    }
-}
-
-impl Mom {
-    pub(super) fn new(trunk: Arc<Trunk>, mode: TrunkMode, gather: Gather) -> Self {
-        Self {
-            plan: Arc::new(MomPlan::of(trunk.collapses())),
-            trunk,
-            mode,
-            gather,
-        }
-    }
-}
-
-impl TrunkModel for Mom {
-    fn kind(&self) -> TrunkKind {
-        TrunkKind {
-            name: TrunkName::Mom,
-            mode: self.mode,
-        }
+    /// The triangles of some records, as they lie on the device.
+    fn bytes_of(&self, records: &[u32]) -> Vec<u8> {
+        let vertices = records.iter();
+        let vertices = vertices.flat_map(|&record| self.records[record as usize].vertices);
+        vertices.flat_map(u32::to_le_bytes).collect()
     }
 
-    fn trunk(&self) -> &Arc<Trunk> {
-        &self.trunk
-    }
-
-    fn upload(
-        &self,
-        device: &mut Device,
-        environment: &Environment,
-    ) -> Result<Box<dyn Shared<TrunkLevel>>, GpuError> {
-        let model = self.clone();
-        let shared = upload_trunk(device, environment, model, &self.trunk, self.mode)?;
-        Ok(Box::new(shared))
-    }
-
-    fn host_bytes(&self) -> Vec<u8> {
-        let mut bytes = self.mode.host_vertex_bytes(&self.trunk);
-        for record in &self.plan.records {
-            let [a, b, c] = record.vertices;
-            let words = [a, b, c, record.birth, record.death];
-            bytes.extend(words.into_iter().flat_map(u32::to_le_bytes));
-        }
-        if self.mode == TrunkMode::Device {
-            let words = self.plan.slots.iter().flatten().chain(&self.plan.starts);
-            bytes.extend(words.flat_map(|word| word.to_le_bytes()));
-        }
-        bytes
-    }
-
-    fn storage(&self) -> Storage {
-        let plan = &self.plan;
-        let triangles = 20 * plan.records.len() as u64;
-        let host = match self.mode {
-            TrunkMode::Host => triangles,
-            TrunkMode::Device => {
-                triangles + 12 * plan.slots.len() as u64 + 4 * plan.starts.len() as u64
-            }
-        };
-        let instance = 12 * u64::from(plan.counts[0]) + IndirectRecord::STRIDE;
-        let kept = 4 + 4 * u64::from(plan.counts[0]);
-        self.mode.storage(&self.trunk, host, instance, kept)
-    }
-}
-
-impl Shared<TrunkLevel> for TrunkShared<Mom> {
-    fn instance(
-        &self,
-        device: &mut Device,
-        level: &TrunkLevel,
-        number: u32,
-    ) -> Result<Box<dyn Resident<TrunkLevel>>, GpuError> {
-        let model = self.model.clone();
-        let plan = &model.plan;
-        let content = match model.mode {
-            TrunkMode::Host => plan.scan(*level).0,
-            TrunkMode::Device => plan.slots_at(*level),
-        };
-        let arguments = IndirectRecord {
-            corner_count: 3 * plan.counts[level.collapses as usize],
-            instances: 1,
-            first_corner: 0,
-            instance: number,
-        };
-        let bytes: Vec<u8> = content
-            .iter()
-            .flat_map(|&record| plan.bytes(record))
-            .collect();
-        let mut make = |label, size: u32, usage, bytes: &[u8]| {
-            let buffer = device.create_buffer(&BufferDescriptor {
-                label,
-                size: u64::from(size),
-                usage,
-                residency: model.mode.residency(),
-            })?;
-            device.queue().write(buffer, 0, bytes, TRUNK)?;
-            Ok(buffer)
-        };
-        let triangles = make("trunk triangles", 12 * plan.counts[0], Usage::INDEX, &bytes)?;
-        let record = arguments.to_bytes();
-        let arguments = make("trunk draw arguments", 16, Usage::INDIRECT, &record)?;
-        let mut steps = self.surface.bind(self.vertices, triangles);
-        steps.push(Step::DrawIndirect(DrawIndirect {
-            source: Corners::Indexed,
-            arguments,
-            offset: 0,
-            count: 1,
-            group: TRUNK_GROUP,
-        }));
-        Ok(Box::new(MomResident {
-            model,
-            triangles,
-            arguments,
-            steps,
-            level: *level,
-            content,
-        }))
-    }
-}
-
-#[derive(Debug, Clone)]
-struct MomResident {
-    model: Mom,
-    triangles: BufferId,
-    arguments: BufferId,
-    steps: Vec<Step>,
-    level: TrunkLevel,
-    /// The records in the buffer.
-    content: Vec<u32>,
-}
-
-impl MomResident {
-    /// Goes over to a level on the host; returns what that takes, and what the buffers lack then.
-    fn step(&mut self, to: TrunkLevel) -> (Change, Vec<Write>) {
-        let plan = Arc::clone(&self.model.plan);
-        let mut change = self.level.change_to(to);
-        let from = std::mem::replace(&mut self.level, to);
-        if from == to {
-            return (change, Vec::new());
-        }
-        let count = (3 * plan.counts[to.collapses as usize]).to_le_bytes();
-        let mut writes: Vec<Write> = Vec::new();
-        match self.model.mode {
-            TrunkMode::Host => {
-                let (content, read) = plan.scan(to);
-                change.host_records = read + content.len() as u64;
-                let bytes = content
-                    .iter()
-                    .flat_map(|&record| plan.bytes(record))
-                    .collect();
-                writes.push(Write {
-                    buffer: self.triangles,
-                    offset: 0,
-                    bytes,
-                    cause: CAUSES[0],
-                });
-                self.content = content;
-            }
-            TrunkMode::Device => {
-                let (slots, read) = self.move_slots(&plan, from, to);
-                change.host_records = read + slots.len() as u64;
-                for slot in slots {
-                    let bytes = plan.bytes(self.content[slot as usize]).collect();
-                    writes.push(Write {
-                        buffer: self.triangles,
-                        offset: 12 * u64::from(slot),
-                        bytes,
-                        cause: CAUSES[0],
-                    });
-                }
-            }
-        }
-        if plan.counts[from.collapses as usize] != plan.counts[to.collapses as usize] {
-            writes.push(Write {
-                buffer: self.arguments,
-                offset: 0,
-                bytes: count.to_vec(),
-                cause: CAUSES[1],
-            });
-        }
-        (change, writes)
-    }
-}
-
-impl Resident<TrunkLevel> for MomResident {
-    fn state(&self) -> &TrunkLevel {
-        &self.level
-    }
-
-    fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
-        let (change, writes) = self.step(*to);
-        send_writes(queue, self.model.gather, &writes)?;
-        Ok(change)
-    }
-
-    fn price(&self, to: &TrunkLevel) -> u64 {
-        self.model.mode.price(&self.clone().step(*to).1)
-    }
-
-    fn host_bytes(&self) -> u64 {
-        4 + 4 * self.content.len() as u64
-            + match self.model.mode {
-                TrunkMode::Host => {
-                    12 * u64::from(self.model.plan.counts[0]) + IndirectRecord::STRIDE
-                }
-                TrunkMode::Device => 0,
-            }
-    }
-
-    fn draw(&self, steps: &mut Vec<Step>) {
-        steps.extend_from_slice(&self.steps);
-    }
-}
-
-impl MomResident {
     /// Takes the slots from one level to another; returns those that differ, ascending, and how many
     /// records were read.
-    fn move_slots(&mut self, plan: &MomPlan, from: TrunkLevel, to: TrunkLevel) -> (Vec<u32>, u64) {
-        let content = &mut self.content;
+    fn move_slots(&self, content: &mut [u32], from: TrunkLevel, to: TrunkLevel) -> (Vec<u32>, u64) {
         let mut before: Vec<(u32, u32)> = Vec::new();
         let mut put = |slot: u32, record: u32| {
             let held = std::mem::replace(&mut content[slot as usize], record);
             before.push((slot, held));
         };
         for collapse in from.collapses..to.collapses {
-            for &[slot, _, after] in plan.slots_of(collapse) {
+            for &[slot, _, after] in self.slots_of(collapse) {
                 put(slot, after);
             }
         }
         for collapse in (to.collapses..from.collapses).rev() {
-            for &[slot, held, _] in plan.slots_of(collapse).iter().rev() {
+            for &[slot, held, _] in self.slots_of(collapse).iter().rev() {
                 put(slot, held);
             }
         }

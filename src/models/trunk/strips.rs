@@ -9,16 +9,15 @@
 //! Strips keep their length here: places of triangles that are gone stay, and are assembled to
 //! triangles that name a vertex twice, which no pixel sees. [`Cut`](super::cut::Cut) takes them out.
 
-use std::sync::Arc;
-
-use super::surface::{TRUNK, TrunkShared, upload_trunk};
-use super::writes::{Write, send_writes};
-use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
+use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
+use super::surface::trunk_buffer;
+use super::writes::Write;
+use super::{TRUNK_GROUP, TrunkLevel, TrunkMode, TrunkName};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, Queue, RESTART, Step, Usage,
+    BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, RESTART, Step, Usage,
 };
 use crate::math::index_u32;
-use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
+use crate::models::Change;
 use crate::simplify::{VertexCollapses, strips_of};
 
 /// Why places of strips are sent.
@@ -26,183 +25,23 @@ const STRIP: Cause = Cause::of("strip");
 
 /// LodStrips with strips of fixed length.
 ///
-/// Host memory: 32 bytes a vertex (for `Host`); then the structures of [`StripPlan::host_bytes`].
+/// Host memory: 32 bytes a vertex (for `Host`); then the structures of [`StripPlan::host_words`].
 /// Device memory for `Device`: 32 bytes a vertex once, 4 bytes a place for each instance.
+pub(super) type LodStrips = Planned<StripPlan>;
+
+/// The strips of an instance.
 #[derive(Debug, Clone)]
-pub(super) struct LodStrips {
-    trunk: Arc<Trunk>,
-    mode: TrunkMode,
-    gather: Gather,
-    plan: Arc<StripPlan>,
-}
-
-impl LodStrips {
-    pub(super) fn new(trunk: Arc<Trunk>, mode: TrunkMode, gather: Gather) -> Self {
-        Self {
-            plan: Arc::new(StripPlan::of(trunk.collapses())),
-            trunk,
-            mode,
-            gather,
-        }
-    }
-}
-
-impl TrunkModel for LodStrips {
-    fn kind(&self) -> TrunkKind {
-        TrunkKind {
-            name: TrunkName::LodStrips,
-            mode: self.mode,
-        }
-    }
-
-    fn trunk(&self) -> &Arc<Trunk> {
-        &self.trunk
-    }
-
-    fn upload(
-        &self,
-        device: &mut Device,
-        environment: &Environment,
-    ) -> Result<Box<dyn Shared<TrunkLevel>>, GpuError> {
-        let model = self.clone();
-        let shared = upload_trunk(device, environment, model, &self.trunk, self.mode)?;
-        Ok(Box::new(shared))
-    }
-
-    fn host_bytes(&self) -> Vec<u8> {
-        let vertices = self.mode.host_vertex_bytes(&self.trunk);
-        [vertices, self.plan.host_bytes(self.trunk.collapses())].concat()
-    }
-
-    fn storage(&self) -> Storage {
-        let places = 4 * self.plan.finest.len() as u64;
-        let host = self.plan.host_size(self.trunk.collapses());
-        self.mode.storage(&self.trunk, host, places, 4 + places)
-    }
-}
-
-impl Shared<TrunkLevel> for TrunkShared<LodStrips> {
-    fn instance(
-        &self,
-        device: &mut Device,
-        level: &TrunkLevel,
-        number: u32,
-    ) -> Result<Box<dyn Resident<TrunkLevel>>, GpuError> {
-        let model = self.model.clone();
-        let content = model.plan.at(model.trunk.collapses(), *level);
-        let bytes: Vec<u8> = content
-            .iter()
-            .flat_map(|place| place.to_le_bytes())
-            .collect();
-        let strips = device.create_buffer(&BufferDescriptor {
-            label: "trunk strips",
-            size: bytes.len() as u64,
-            usage: Usage::INDEX,
-            residency: model.mode.residency(),
-        })?;
-        device.queue().write(strips, 0, &bytes, TRUNK)?;
-        let mut steps = self.surface.bind(self.vertices, strips);
-        steps.push(Step::Draw(Draw {
-            source: Corners::Strips,
-            first_corner: 0,
-            corner_count: index_u32(content.len()),
-            instance: number,
-            group: TRUNK_GROUP,
-        }));
-        Ok(Box::new(StripsResident {
-            model,
-            strips,
-            steps,
-            level: *level,
-            content,
-        }))
-    }
-}
-
-#[derive(Debug, Clone)]
-struct StripsResident {
-    model: LodStrips,
-    strips: BufferId,
-    steps: Vec<Step>,
-    level: TrunkLevel,
+pub(super) struct Strips {
+    buffer: BufferId,
     /// The same as in the buffer.
     content: Vec<u32>,
 }
 
-impl StripsResident {
-    /// Goes over to a level on the host; returns what that takes, and what the buffer lacks then.
-    fn step(&mut self, to: TrunkLevel) -> (Change, Vec<Write>) {
-        let LodStrips { trunk, plan, .. } = &self.model;
-        let collapses = trunk.collapses();
-        let content = &mut self.content;
-        let (places, records) = plan.change(collapses, content, self.level, to);
-        let mut change = self.level.change_to(to);
-        change.host_records = records;
-        change.clusters_touched = plan.strips_of_places(&places);
-        self.level = to;
-        // Places side by side go together.
-        let runs = places.chunk_by(|a, b| a + 1 == *b);
-        let writes = runs.map(|run| {
-            let words = run.iter().map(|&place| content[place as usize]);
-            Write {
-                buffer: self.strips,
-                offset: 4 * u64::from(run[0]),
-                bytes: words.flat_map(u32::to_le_bytes).collect(),
-                cause: STRIP,
-            }
-        });
-        (change, writes.collect())
-    }
-}
+impl TrunkPlan for StripPlan {
+    const NAME: TrunkName = TrunkName::LodStrips;
+    type Instance = Strips;
 
-impl Resident<TrunkLevel> for StripsResident {
-    fn state(&self) -> &TrunkLevel {
-        &self.level
-    }
-
-    fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
-        let (change, writes) = self.step(*to);
-        send_writes(queue, self.model.gather, &writes)?;
-        Ok(change)
-    }
-
-    fn price(&self, to: &TrunkLevel) -> u64 {
-        self.model.mode.price(&self.clone().step(*to).1)
-    }
-
-    fn host_bytes(&self) -> u64 {
-        let content = 4 * self.content.len() as u64;
-        4 + match self.model.mode {
-            TrunkMode::Host => 2 * content,
-            TrunkMode::Device => content,
-        }
-    }
-
-    fn draw(&self, steps: &mut Vec<Step>) {
-        steps.extend_from_slice(&self.steps);
-    }
-}
-
-/// The strips of a trunk and how they change from level to level.
-#[derive(Debug, Clone)]
-pub(super) struct StripPlan {
-    /// The strips at full detail, one after another with a restart between two.
-    pub(super) finest: Vec<u32>,
-    /// Where each strip begins, and one past the last place.
-    pub(super) starts: Vec<u32>,
-    /// The triangle that a place makes with the two before it.
-    pub(super) triangles: Vec<u32>,
-    /// The places that hold each vertex when it goes, one vertex after another.
-    places: Vec<u32>,
-    /// Where each vertex's places begin, and their end.
-    place_starts: Vec<u32>,
-}
-
-/// At places that make no triangle.
-pub(super) const NO_TRIANGLE: u32 = u32::MAX;
-
-impl StripPlan {
-    pub(super) fn of(collapses: &VertexCollapses) -> Self {
+    fn of(collapses: &VertexCollapses) -> Self {
         let strips = strips_of(collapses.triangles(), |triangle| {
             collapses.shows(triangle, 0)
         });
@@ -229,6 +68,103 @@ impl StripPlan {
         plan
     }
 
+    fn host_bytes(model: &Planned<Self>) -> Vec<u8> {
+        model.plan.host_words(model.trunk.collapses())
+    }
+
+    fn sizes(model: &Planned<Self>) -> PlanSizes {
+        let places = 4 * model.plan.finest.len() as u64;
+        PlanSizes {
+            host: model.plan.host_size(model.trunk.collapses()),
+            instance: places,
+            kept: 4 + places,
+        }
+    }
+
+    fn instance(
+        model: &Planned<Self>,
+        device: &mut Device,
+        level: TrunkLevel,
+        number: u32,
+    ) -> Result<Drawn<Strips>, GpuError> {
+        let content = model.plan.at(model.trunk.collapses(), level);
+        let places = content.iter();
+        let bytes: Vec<u8> = places.flat_map(|place| place.to_le_bytes()).collect();
+        let descriptor = BufferDescriptor {
+            label: "trunk strips",
+            size: bytes.len() as u64,
+            usage: Usage::INDEX,
+            residency: model.mode.residency(),
+        };
+        let buffer = trunk_buffer(device, &descriptor, &bytes)?;
+        Ok(Drawn {
+            draw: Step::Draw(Draw {
+                source: Corners::Strips,
+                first_corner: 0,
+                corner_count: index_u32(content.len()),
+                instance: number,
+                group: TRUNK_GROUP,
+            }),
+            instance: Strips { buffer, content },
+            indices: buffer,
+        })
+    }
+
+    fn step(
+        model: &Planned<Self>,
+        strips: &mut Strips,
+        [from, to]: [TrunkLevel; 2],
+    ) -> (Change, Vec<Write>) {
+        let Strips { buffer, content } = strips;
+        let plan = &model.plan;
+        let (places, host_records) = plan.change(model.trunk.collapses(), content, from, to);
+        let change = Change {
+            host_records,
+            clusters_touched: plan.strips_of_places(&places),
+            ..Change::default()
+        };
+        // Places side by side go together.
+        let runs = places.chunk_by(|a, b| a + 1 == *b);
+        let writes = runs.map(|run| {
+            let words = run.iter().map(|&place| content[place as usize]);
+            Write {
+                buffer: *buffer,
+                offset: 4 * u64::from(run[0]),
+                bytes: words.flat_map(u32::to_le_bytes).collect(),
+                cause: STRIP,
+            }
+        });
+        (change, writes.collect())
+    }
+
+    fn instance_host_bytes(model: &Planned<Self>, strips: &Strips) -> u64 {
+        let content = 4 * strips.content.len() as u64;
+        match model.mode {
+            TrunkMode::Host => 2 * content,
+            TrunkMode::Device => content,
+        }
+    }
+}
+
+/// The strips of a trunk and how they change from level to level.
+#[derive(Debug, Clone)]
+pub(super) struct StripPlan {
+    /// The strips at full detail, one after another with a restart between two.
+    pub(super) finest: Vec<u32>,
+    /// Where each strip begins, and one past the last place.
+    pub(super) starts: Vec<u32>,
+    /// The triangle that a place makes with the two before it.
+    pub(super) triangles: Vec<u32>,
+    /// The places that hold each vertex when it goes, one vertex after another.
+    places: Vec<u32>,
+    /// Where each vertex's places begin, and their end.
+    place_starts: Vec<u32>,
+}
+
+/// At places that make no triangle.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+
+impl StripPlan {
     /// Every place holds a vertex until it goes, then that vertex's target, and so on.
     fn list_places(&mut self, collapses: &VertexCollapses) {
         let gone = collapses.first_vertex(collapses.collapse_count());
@@ -314,7 +250,7 @@ impl StripPlan {
 
     /// As bytes, little-endian: the target of every vertex that goes; the strips; the places of each
     /// vertex that goes, and where they begin (4 bytes each).
-    pub(super) fn host_bytes(&self, collapses: &VertexCollapses) -> Vec<u8> {
+    pub(super) fn host_words(&self, collapses: &VertexCollapses) -> Vec<u8> {
         let targets = (0..collapses.vertex_count()).filter_map(|vertex| collapses.target(vertex));
         let words = targets
             .chain(self.finest.iter().copied())
@@ -323,7 +259,7 @@ impl StripPlan {
         words.flat_map(u32::to_le_bytes).collect()
     }
 
-    /// The length of [`host_bytes`](Self::host_bytes).
+    /// The length of [`host_words`](Self::host_words).
     pub(super) fn host_size(&self, collapses: &VertexCollapses) -> u64 {
         let gone = u64::from(collapses.first_vertex(collapses.collapse_count()));
         4 * (2 * gone + 1 + (self.finest.len() + self.places.len()) as u64)

@@ -11,7 +11,7 @@ use crate::plant::Mesh;
 use crate::scene::TrunkMode;
 
 /// Why what a trunk begins with is sent.
-pub(super) const TRUNK: Cause = Cause::of("trunk");
+const TRUNK: Cause = Cause::of("trunk");
 
 /// The vertices of a mesh, in the order of `order`, as they lie on the device.
 ///
@@ -31,20 +31,30 @@ pub(super) fn vertex_bytes<'a>(
     floats.flat_map(f32::to_le_bytes).collect()
 }
 
+/// Makes a buffer and sends what it begins with, under the cause `trunk`.
+pub(super) fn trunk_buffer(
+    device: &mut Device,
+    descriptor: &BufferDescriptor<'_>,
+    bytes: &[u8],
+) -> Result<BufferId, GpuError> {
+    let buffer = device.create_buffer(descriptor)?;
+    device.queue().write(buffer, 0, bytes, TRUNK)?;
+    Ok(buffer)
+}
+
 /// Makes the buffer of vertices, where `residency` says, and sends them.
 pub(super) fn upload_vertices(
     device: &mut Device,
     bytes: &[u8],
     residency: Residency,
 ) -> Result<BufferId, GpuError> {
-    let vertices = device.create_buffer(&BufferDescriptor {
+    let descriptor = BufferDescriptor {
         label: "trunk vertices",
         size: bytes.len() as u64,
         usage: Usage::VERTEX,
         residency,
-    })?;
-    device.queue().write(vertices, 0, bytes, TRUNK)?;
-    Ok(vertices)
+    };
+    trunk_buffer(device, &descriptor, bytes)
 }
 
 /// What instances of a model of a trunk share on a device.
