@@ -90,7 +90,7 @@ impl<'w> Session<'w> {
         world: &'w World,
         options: &SessionOptions,
     ) -> Result<Self, RunError> {
-        Self::make(scene, world, options, Recorded::No)
+        Self::make(scene, world, options, Recorded::No, None)
     }
 
     /// As [`new`](Self::new), with every byte recorded from the first on: see
@@ -104,7 +104,23 @@ impl<'w> Session<'w> {
         world: &'w World,
         options: &SessionOptions,
     ) -> Result<Self, RunError> {
-        Self::make(scene, world, options, Recorded::FromTheStart)
+        Self::make(scene, world, options, Recorded::FromTheStart, None)
+    }
+
+    /// As [`recorded`](Self::recorded), with every tree in a given state, as if it had never stood in
+    /// another: what a session that came there by any way is held against.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn standing(
+        scene: &'w Scene,
+        world: &'w World,
+        options: &SessionOptions,
+        states: &[TreeState],
+    ) -> Result<Self, RunError> {
+        let recorded = Recorded::FromTheStart;
+        Self::make(scene, world, options, recorded, Some(states))
     }
 
     fn make(
@@ -112,6 +128,7 @@ impl<'w> Session<'w> {
         world: &'w World,
         options: &SessionOptions,
         recorded: Recorded,
+        dictated: Option<&[TreeState]>,
     ) -> Result<Self, RunError> {
         let mut device = Device::new(DeviceDescriptor {
             memory_bytes: scene.device.memory,
@@ -175,7 +192,7 @@ impl<'w> Session<'w> {
             camera: None,
             owners,
         };
-        let states = session.select(0);
+        let states = dictated.map_or_else(|| session.select(0), <[_]>::to_vec);
         for ((number, tree), state) in (0..).zip(&world.trees).zip(&states) {
             environment.place(&mut session.device.queue(), number, &tree.placement)?;
             let trunk = trunks[tree.crown].as_ref();
@@ -188,7 +205,7 @@ impl<'w> Session<'w> {
             session.owners.claim(&session.device, Owner::Tree(number));
         }
         // What selects by itself stands as its first frame begins.
-        if session.selecting_camera(0).is_some() {
+        if dictated.is_none() && session.selecting_camera(0).is_some() {
             session.commit(0)?;
         }
         session.initial = session.device.take_ledger();
@@ -210,6 +227,11 @@ impl<'w> Session<'w> {
     #[must_use]
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// The device, for tests that track what it reads or overwrite what it does not.
+    pub fn device_mut(&mut self) -> &mut Device {
+        &mut self.device
     }
 
     /// What a buffer or texture belongs to; those that the session did not make, to the scene.

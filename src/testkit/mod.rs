@@ -20,13 +20,15 @@
 //!   [`check_trace`](trace::check_trace) checks it.
 //! - [`selftest`] plants known faults and fails unless the laws find each.
 //!
-//! Our own models go through the same door ([`ModelStructure`], [`Stage`]).
+//! Our own models go through the same door ([`ModelStructure`], [`Stage`], and whole forests as
+//! [`ForestStage`]).
 //!
 //! **Invariant.** Nothing here trusts what it tests: what is visible in a state is replayed from the
 //! history, what is resident from the log of writes.
 
 mod contents;
 mod device;
+mod forest;
 mod history;
 pub mod laws;
 mod operation;
@@ -39,6 +41,7 @@ pub mod strategy;
 mod structure;
 pub mod trace;
 mod violation;
+mod watch;
 
 pub use crate::models::State;
 pub use contents::Contents;
@@ -46,6 +49,7 @@ pub use device::{
     Change, Counted, DeviceModel, Itemised, Picture, Reads, Residency, Resource,
     check_device_model, check_end,
 };
+pub use forest::ForestStage;
 pub use history::{History, HistoryError};
 pub use operation::{Operation, Walk};
 pub use paper::{LeafCount, PaperFault, PaperLodf};

@@ -1,12 +1,12 @@
 //! Our own models on our own device, as [`DeviceModel`]s.
 
-use super::contents::Contents;
-use super::device::{Change, Counted, DeviceModel, Itemised, Picture, Reads, Resource};
+use super::device::{Change, Counted, DeviceModel, Picture, Reads, Resource};
+use super::watch::Watch;
 use crate::gpu::{
-    Card, Command, Device, DeviceDescriptor, GpuError, Ledger, Link, Load, RenderPass, ResourceId,
-    Share, Stream, TargetDescriptor, TargetId,
+    Card, Command, Device, DeviceDescriptor, GpuError, Link, Load, RenderPass, TargetDescriptor,
+    TargetId,
 };
-use crate::math::{Mat4, Vec3, Vec4, index_usize};
+use crate::math::{Mat4, Vec3, Vec4};
 use crate::models::{
     Environment, Kind, Model, Placement, Resident, Shared, State, TrunkLevel, TrunkModel, View,
 };
@@ -26,9 +26,7 @@ pub struct Stage<S = State> {
     pub environment: Environment,
     /// The instance.
     pub resident: Box<dyn Resident<S>>,
-    /// What [`DeviceModel::counted`] took from the device so far.
-    counted: Ledger,
-    contents: Contents,
+    watch: Watch,
 }
 
 impl Stage {
@@ -117,12 +115,11 @@ impl<S> Stage<S> {
             samples: Samples::One,
         })?;
         Ok(Self {
-            contents: Contents::of(&device),
+            watch: Watch::of(&device),
             device,
             target,
             environment,
             resident,
-            counted: Ledger::default(),
         })
     }
 
@@ -145,18 +142,6 @@ impl<S> Stage<S> {
         self.device.queue().submit(&commands).expect("a sound pass");
         self.device.present(self.target).expect("the target exists")
     }
-
-    /// The number of the transfer that brought each recorded write: of those that were counted, as
-    /// many as the ledger says that the transfer had ranges; of others, one each.
-    fn transfers_of_writes(&self) -> impl Iterator<Item = u64> + '_ {
-        let transfers = self.counted.transfers.iter();
-        let uploads = transfers.filter(|transfer| transfer.stream == Stream::Upload);
-        let ranges = uploads.map(|transfer| index_usize(transfer.ranges));
-        let ranges = ranges.chain(std::iter::repeat(1));
-        (0..)
-            .zip(ranges)
-            .flat_map(|(number, ranges)| std::iter::repeat_n(number, ranges))
-    }
 }
 
 impl<S> DeviceModel<S> for Stage<S> {
@@ -167,100 +152,29 @@ impl<S> DeviceModel<S> for Stage<S> {
     }
 
     fn resources(&self) -> Vec<Resource<'_>> {
-        self.contents.resources(&self.device)
+        self.watch.resources(&self.device)
     }
 
     fn reads(&mut self) -> Reads {
         self.device.track_reads();
         self.draw();
-        let reads = self.device.reads().expect("tracked just before");
-        let mut ranges = Vec::new();
-        for buffer in reads.buffers() {
-            let number = self.contents.number(ResourceId::Buffer(buffer));
-            // Also what is bound and not read at all counts as known.
-            ranges.push((number, 0..0));
-            let read = reads.ranges(buffer).into_iter();
-            ranges.extend(read.map(|r| (number, index_usize(r.start)..index_usize(r.end))));
-        }
-        let mut primitives: Vec<_> = reads.fetched.iter().collect();
-        primitives.sort();
-        let fetched = primitives.into_iter().map(|primitive| {
-            let key = [primitive.group, primitive.instance, primitive.vertex];
-            let key = key.into_iter().flat_map(u32::to_le_bytes);
-            key.chain(primitive.bytes.iter().copied()).collect()
-        });
-        Reads {
-            ranges,
-            fetched: fetched.collect(),
-        }
+        self.watch.reads(&self.device)
     }
 
     fn overwrite(&mut self, resource: usize, at: usize, bytes: &[u8]) {
-        let Some(ResourceId::Buffer(buffer)) = self.contents.id(resource) else {
-            return;
-        };
-        // The device knows fillers only: runs of one byte.
-        let mut start = 0;
-        for run in bytes.chunk_by(|a, b| a == b) {
-            let from = (at + start) as u64;
-            let range = from..from + run.len() as u64;
-            self.device
-                .poison(buffer, range, run[0])
-                .expect("within the buffer");
-            start += run.len();
-        }
+        self.watch.overwrite(&mut self.device, resource, at, bytes);
     }
 
     fn log(&self) -> Option<Vec<Change<'_>>> {
-        self.contents.log(&self.device, self.transfers_of_writes())
+        self.watch.log(&self.device)
     }
 
     fn counted(&mut self) -> Option<Counted> {
-        let taken = self.device.take_ledger();
-        self.counted.add(&taken);
-        self.counted.transfers.extend(taken.transfers);
-        Some(counted(&self.counted))
+        self.watch.add(self.device.take_ledger());
+        Some(self.watch.counted())
     }
 
     fn picture(&mut self) -> Option<Picture> {
         Some(self.draw())
-    }
-}
-
-/// The uploads of a ledger, as totals and itemised. Shares are of all streams; those that are no
-/// uploads are taken off.
-fn counted(ledger: &Ledger) -> Counted {
-    let (upload, fetch, readback) = (&ledger.upload, &ledger.fetch, &ledger.readback);
-    let others = [
-        fetch.transfers + readback.transfers,
-        fetch.payload_bytes + readback.payload_bytes,
-    ];
-    let shares = |by, shares: &mut dyn Iterator<Item = &Share>| {
-        let sums = shares.fold([0, 0], |[transfers, bytes], share| {
-            [transfers + share.transfers, bytes + share.payload_bytes]
-        });
-        Itemised {
-            by,
-            transfers: sums[0].saturating_sub(others[0]),
-            payload_bytes: sums[1].saturating_sub(others[1]),
-        }
-    };
-    let transfers = ledger.transfers.iter();
-    let uploads = transfers.filter(|transfer| transfer.stream == Stream::Upload);
-    let list = uploads.fold([0, 0], |[count, bytes], transfer| {
-        [count + 1, bytes + transfer.payload_bytes]
-    });
-    Counted {
-        transfers: upload.transfers,
-        payload_bytes: upload.payload_bytes,
-        itemised: vec![
-            Itemised {
-                by: "by transfer",
-                transfers: list[0],
-                payload_bytes: list[1],
-            },
-            shares("by cause", &mut ledger.by_cause.values()),
-            shares("by buffer", &mut ledger.by_buffer.values()),
-        ],
     }
 }

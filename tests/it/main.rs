@@ -8,6 +8,8 @@ mod device_camera;
 mod diff;
 mod explain;
 mod forest;
+mod forest_faults;
+mod forest_laws;
 mod gltf;
 mod golden;
 mod gpu;

@@ -98,6 +98,23 @@ pub(crate) use properties;
 /// A crown of `leaves` random quads in two groups with a random history of collapses that leaves
 /// about `roots` of them.
 pub(crate) fn random_crown(seed: u64, leaves: u32, roots: u32) -> Arc<Crown> {
+    let plant = Plant::new("random", None, None, random_foliage(seed, leaves));
+    let sequence = random_sequence(seed, leaves, leaves / 2, roots);
+    Arc::new(Crown::new(Arc::new(plant.expect("sound parts")), sequence))
+}
+
+/// The same with a [random trunk](random_trunk), all of which may go.
+pub(crate) fn random_tree(seed: u64, leaves: u32, roots: u32) -> (Arc<Crown>, Arc<Trunk>) {
+    let (mesh, foliage) = (random_mesh(seed), random_foliage(seed, leaves));
+    let plant = Plant::new("tree", None, Some(mesh), foliage).expect("sound parts");
+    let plant = Arc::new(plant);
+    let trunk = Trunk::of(&plant, Some(0)).expect("it has a trunk");
+    let sequence = random_sequence(seed, leaves, leaves / 2, roots);
+    (Arc::new(Crown::new(plant, sequence)), Arc::new(trunk))
+}
+
+/// Random quads in two groups.
+fn random_foliage(seed: u64, leaves: u32) -> Foliage {
     let mut draws = Stream::new(seed, 1).draws();
     let split = leaves / 2;
     let group = |count: u32, color: [f32; 4], draws: &mut Draws| {
@@ -131,9 +148,7 @@ pub(crate) fn random_crown(seed: u64, leaves: u32, roots: u32) -> Arc<Crown> {
         group(split, [0.2, 0.8, 0.1, 1.0], &mut draws),
         group(leaves - split, [0.9, 0.5, 0.1, 1.0], &mut draws),
     ];
-    let plant = Plant::new("random", None, None, Foliage { groups }).expect("sound parts");
-    let sequence = random_sequence(seed, leaves, split, roots);
-    Arc::new(Crown::new(Arc::new(plant), sequence))
+    Foliage { groups }
 }
 
 /// Random collapses of leaves of the same group, each new leaf with random corners of the two.
@@ -179,6 +194,12 @@ fn disc_texture() -> Texture {
 /// A trunk of up to three parts, tubes and patches, all of which may go. Corners lie on a lattice, so
 /// that triangles touch, cross, tie and lose their area; some positions have two vertices.
 pub(crate) fn random_trunk(seed: u64) -> Arc<Trunk> {
+    let mesh = random_mesh(seed);
+    let plant = Plant::new("trunk", None, Some(mesh), Foliage::default()).expect("sound parts");
+    Arc::new(Trunk::of(&Arc::new(plant), Some(0)).expect("it has a trunk"))
+}
+
+fn random_mesh(seed: u64) -> Mesh {
     let mut draws = Stream::new(seed, 4).draws();
     let mut mesh = Mesh {
         positions: Vec::new(),
@@ -196,8 +217,7 @@ pub(crate) fn random_trunk(seed: u64) -> Arc<Trunk> {
         let tube = draws.below(2) == 0;
         random_part(&mut mesh, tube, &mut draws);
     }
-    let plant = Plant::new("trunk", None, Some(mesh), Foliage::default()).expect("sound parts");
-    Arc::new(Trunk::of(&Arc::new(plant), Some(0)).expect("it has a trunk"))
+    mesh
 }
 
 /// Rows of vertices; a tube closes each row, and its last row with a fan.
