@@ -64,7 +64,7 @@ pub use select::{
 pub use state::{State, TreeState};
 pub use surface::LEAF_GROUP;
 pub use terrain::{Ground, TERRAIN_GROUP};
-pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel};
+pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel, TrunkSimplifier};
 
 use crate::gpu::{Command, Device, GpuError, Queue, Step};
 

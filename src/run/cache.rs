@@ -11,7 +11,7 @@
 //! |  bytes | content |
 //! |-------:|---|
 //! |    0–7 | `spinney` and a 0 |
-//! |   8–11 | kind of model: 1, leaf collapses |
+//! |   8–11 | kind of model: 1, leaf collapses; 2, a [trunk](super::trunks) |
 //! |  12–43 | key: BLAKE3 of all that decides the model, and of the version of what builds it |
 //! |  44–51 | length of the rest in bytes |
 //! |  52–83 | BLAKE3 of bytes 0–51 and the rest |
@@ -76,19 +76,34 @@ impl ModelCache {
         foliage: &Foliage,
         options: &LeafCollapseOptions,
     ) -> CollapseSequence {
-        let key = leaf_collapse_key(foliage, options);
-        let path = self.folder.join(format!("{key}{ENDING}"));
         let leaves = index_u32(foliage.quad_count());
-        let kept = read(&path, LEAF_COLLAPSES, key, leaf_collapse_bytes(leaves))
-            .and_then(|model| read_leaf_collapses(&model, leaves));
-        if let Some(sequence) = kept {
-            return sequence;
+        self.kept_or_built(
+            (LEAF_COLLAPSES, leaf_collapse_key(foliage, options)),
+            leaf_collapse_bytes(leaves),
+            |model| read_leaf_collapses(model, leaves),
+            || collapse_leaves(foliage, options),
+            write_leaf_collapses,
+        )
+    }
+
+    /// The model of a kind and key of at most `most` bytes, read if a sound one is kept, or built and
+    /// kept from now on.
+    pub(super) fn kept_or_built<T>(
+        &self,
+        (kind, key): (u32, Digest),
+        most: u64,
+        sound: impl FnOnce(&[u8]) -> Option<T>,
+        build: impl FnOnce() -> T,
+        write: impl FnOnce(&T) -> Vec<u8>,
+    ) -> T {
+        let path = self.folder.join(format!("{key}{ENDING}"));
+        if let Some(kept) = read(&path, kind, key, most).and_then(|model| sound(&model)) {
+            return kept;
         }
-        let sequence = collapse_leaves(foliage, options);
-        let model = write_leaf_collapses(&sequence);
+        let built = build();
         // Where nothing can be written, nothing is kept.
-        self.keep(&path, &file(LEAF_COLLAPSES, key, &model)).ok();
-        sequence
+        self.keep(&path, &file(kind, key, &write(&built))).ok();
+        built
     }
 
     /// Writes a file whole or not at all, then removes the oldest beyond the limit.

@@ -8,7 +8,7 @@ use super::cache::ModelCache;
 use super::world::crown_from;
 use crate::document::Document;
 use crate::math::{Digest, Digester};
-use crate::models::Crown;
+use crate::models::{Crown, Trunk};
 use crate::plant::gltf::{ImportOptions, import};
 use crate::plant::{Plant, Species, grow};
 use crate::scene::{PlantSource, Tree};
@@ -54,7 +54,7 @@ impl CrownStore {
         }
     }
 
-    /// A store that keeps nothing yet, and takes collapses from a cache.
+    /// A store that keeps nothing yet, and takes collapses, of trunks too, from a cache.
     #[must_use]
     pub const fn with_cache(cache: ModelCache) -> Self {
         Self {
@@ -105,6 +105,16 @@ impl CrownStore {
                 })
             }
         }
+    }
+
+    /// The trunk of a plant, if it has one, simplified to at most so many triangles or as usual; what is
+    /// simplified is taken from the cache.
+    pub(super) fn trunk(&self, plant: &Arc<Plant>, stop_triangles: Option<u32>) -> Option<Trunk> {
+        let trunk = Trunk::of(plant, stop_triangles)?;
+        Some(match &self.cache {
+            Some(cache) => trunk.by(Arc::new(cache.clone())),
+            None => trunk,
+        })
     }
 
     /// The crown of a key; `plant` makes its plant, and says where to stop without a number.

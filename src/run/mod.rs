@@ -21,6 +21,7 @@ mod selector;
 mod session;
 mod shard;
 mod sweep;
+mod trunks;
 mod views;
 mod world;
 

@@ -94,7 +94,7 @@ impl World {
                     let remarks = &mut world.remarks;
                     let crown = store.crown(tree, folder, stop_leaves, &fits, remarks)?;
                     size = size.with_plant(number, crown.plant())?;
-                    let trunk = Trunk::of(crown.plant(), scene.model.trunk_triangles);
+                    let trunk = store.trunk(crown.plant(), scene.model.trunk_triangles);
                     world.trunks.push(trunk.map(Arc::new));
                     world.crowns.push(crown);
                     digests.push(None);

@@ -8,6 +8,7 @@
 //!                                        └─Accounting──────▶ bytes, beside what the papers print
 //! Plant.trunk ──collapse_vertices──▶ VertexCollapses ─┬─ mesh_after(level)
 //!   triangle mesh                      u → v          └─ strips_of ─▶ Strips
+//!              └─simplify_mesh──▶ SimplifiedMesh (both) ─parts─▶ kept elsewhere ─restored─▶ checked
 //! ```
 //!
 //! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
@@ -27,8 +28,9 @@ pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LEAF_COLLAPSE_VERSION, LeafCollapseOptions, LeafDistance, collapse_leaves};
 pub use measure::{LeafMeasure, is_folded, leaf_area, measure_leaves};
 pub use mesh::{
-    EDGE_WEIGHT, LAST_TRIANGLES, LEAST_COSINE, Strips, VertexCollapse, VertexCollapseOptions,
-    VertexCollapses, collapse_vertices, lowest_first, strips_of,
+    EDGE_WEIGHT, LAST_TRIANGLES, LEAST_COSINE, SimplifiedMesh, SimplifiedParts, Strips,
+    VERTEX_COLLAPSE_VERSION, VertexCollapse, VertexCollapseOptions, VertexCollapses,
+    collapse_vertices, lowest_first, simplify_mesh, strips_of,
 };
 pub use published::{Erratum, PUBLISHED_ROWS, PublishedCell, PublishedRow};
 #[cfg(test)]

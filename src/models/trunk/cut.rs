@@ -20,7 +20,7 @@ use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
 use super::strips::{NO_TRIANGLE, StripPlan};
 use super::surface::trunk_buffer;
 use super::writes::Write;
-use super::{TRUNK_GROUP, TrunkLevel, TrunkMode, TrunkName};
+use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkMode, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
     RESTART, Step, Usage,
@@ -66,8 +66,8 @@ impl TrunkPlan for CutPlan {
     const NAME: TrunkName = TrunkName::LodStripsCut;
     type Instance = CutStrips;
 
-    fn of(collapses: &VertexCollapses) -> Self {
-        let strips = StripPlan::of(collapses);
+    fn of(trunk: &Trunk) -> Self {
+        let strips = StripPlan::of(trunk);
         Self {
             blocks: blocks(&strips),
             strips,
@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn what_is_left_shows_the_same_and_is_never_longer() {
         let trunk = super::super::examples::branch(6, 5);
-        let plan = CutPlan::of(trunk.collapses());
+        let plan = CutPlan::of(&trunk);
         let mut shorter = 0;
         for collapses in 0..=trunk.collapses().collapse_count() {
             let level = TrunkLevel { collapses };

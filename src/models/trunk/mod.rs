@@ -49,7 +49,7 @@ use std::sync::Arc;
 
 pub use level::TrunkLevel;
 pub(super) use program::MeshProgram;
-pub use shape::Trunk;
+pub use shape::{Trunk, TrunkSimplifier};
 
 use super::{Environment, Gather, ModelOptions, Shared, Storage};
 use crate::gpu::{Device, GpuError};

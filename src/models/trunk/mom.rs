@@ -13,14 +13,14 @@
 use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
 use super::surface::trunk_buffer;
 use super::writes::Write;
-use super::{TRUNK_GROUP, TrunkLevel, TrunkMode, TrunkName};
+use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkMode, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
     Step, Usage,
 };
 use crate::math::index_u32;
 use crate::models::Change;
-use crate::simplify::{VertexCollapses, lowest_first};
+use crate::simplify::lowest_first;
 
 /// Why triangles, and their number, are sent.
 const CAUSES: [Cause; 2] = [Cause::of("triangle"), Cause::of("triangle-count")];
@@ -67,7 +67,8 @@ impl TrunkPlan for MomPlan {
     const NAME: TrunkName = TrunkName::Mom;
     type Instance = MomTriangles;
 
-    fn of(collapses: &VertexCollapses) -> Self {
+    fn of(trunk: &Trunk) -> Self {
+        let collapses = trunk.collapses();
         let levels = collapses.collapse_count();
         let mut records: Vec<Record> = Vec::new();
         // The record, slot and vertices of every triangle of the mesh.
@@ -343,7 +344,7 @@ mod tests {
     fn records_and_slots_are_the_mesh_at_every_level() {
         let trunk = super::super::examples::branch(6, 5);
         let collapses = trunk.collapses();
-        let plan = MomPlan::of(collapses);
+        let plan = MomPlan::of(&trunk);
         let sorted = |records: &[u32]| {
             let vertices = records
                 .iter()

@@ -9,7 +9,6 @@ use super::writes::{Write, send_writes};
 use super::{Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
 use crate::gpu::{BufferId, Device, GpuError, Queue, Step};
 use crate::models::{Change, Environment, Gather, Resident, Shared, Storage};
-use crate::simplify::VertexCollapses;
 
 /// A model that follows a plan.
 #[derive(Debug, Clone)]
@@ -28,8 +27,8 @@ pub(super) trait TrunkPlan: Debug + Clone + Send + Sync + Sized + 'static {
     /// An instance's buffers, and what the host keeps beside them.
     type Instance: Debug + Clone;
 
-    /// The plan for a trunk with these collapses.
-    fn of(collapses: &VertexCollapses) -> Self;
+    /// The plan for a trunk.
+    fn of(trunk: &Trunk) -> Self;
 
     /// What the host keeps once a species beside the vertices, as bytes.
     fn host_bytes(model: &Planned<Self>) -> Vec<u8>;
@@ -81,7 +80,7 @@ pub(super) struct Drawn<I> {
 impl<P: TrunkPlan> Planned<P> {
     pub(super) fn new(trunk: Arc<Trunk>, mode: TrunkMode, gather: Gather) -> Self {
         Self {
-            plan: Arc::new(P::of(trunk.collapses())),
+            plan: Arc::new(P::of(&trunk)),
             trunk,
             mode,
             gather,

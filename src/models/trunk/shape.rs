@@ -5,7 +5,15 @@ use std::sync::{Arc, OnceLock};
 use crate::math::{index_u32, index_usize};
 use crate::models::TrunkLevel;
 use crate::plant::{Mesh, Plant};
-use crate::simplify::{VertexCollapseOptions, VertexCollapses, collapse_vertices, lowest_first};
+use crate::simplify::{
+    SimplifiedMesh, Strips, VertexCollapseOptions, VertexCollapses, lowest_first, simplify_mesh,
+};
+
+/// Who simplifies trunks, where that is not simply done: one that keeps what was done before.
+pub trait TrunkSimplifier: Send + Sync + std::fmt::Debug {
+    /// What [`simplify_mesh`] answers.
+    fn simplify(&self, mesh: &Mesh, options: VertexCollapseOptions) -> SimplifiedMesh;
+}
 
 /// The trunk of a plant, with its collapses once somebody wants them; shared by all models of it.
 #[derive(Debug)]
@@ -13,7 +21,8 @@ pub struct Trunk {
     /// Has a trunk.
     plant: Arc<Plant>,
     options: VertexCollapseOptions,
-    collapses: OnceLock<VertexCollapses>,
+    simplifier: Option<Arc<dyn TrunkSimplifier>>,
+    simplified: OnceLock<SimplifiedMesh>,
     /// The triangles at each level.
     counts: OnceLock<Vec<u32>>,
 }
@@ -29,9 +38,19 @@ impl Trunk {
             options: VertexCollapseOptions {
                 stop_triangles: stop_triangles.unwrap_or(usual.stop_triangles),
             },
-            collapses: OnceLock::new(),
+            simplifier: None,
+            simplified: OnceLock::new(),
             counts: OnceLock::new(),
         })
+    }
+
+    /// The same, simplified by somebody.
+    #[must_use]
+    pub fn by(self, simplifier: Arc<dyn TrunkSimplifier>) -> Self {
+        Self {
+            simplifier: Some(simplifier),
+            ..self
+        }
     }
 
     /// Its full detail.
@@ -44,8 +63,19 @@ impl Trunk {
     /// Its collapses; the first call makes them.
     #[must_use]
     pub fn collapses(&self) -> &VertexCollapses {
-        self.collapses
-            .get_or_init(|| collapse_vertices(self.mesh(), self.options))
+        &self.simplified().collapses
+    }
+
+    /// The strips of full detail, by the numbers that the collapses give to vertices.
+    pub(super) fn strips(&self) -> &Strips {
+        &self.simplified().strips
+    }
+
+    fn simplified(&self) -> &SimplifiedMesh {
+        self.simplified.get_or_init(|| match &self.simplifier {
+            Some(simplifier) => simplifier.simplify(self.mesh(), self.options),
+            None => simplify_mesh(self.mesh(), self.options),
+        })
     }
 
     /// How many triangles there are at a level.

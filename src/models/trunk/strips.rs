@@ -12,13 +12,13 @@
 use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
 use super::surface::trunk_buffer;
 use super::writes::Write;
-use super::{TRUNK_GROUP, TrunkLevel, TrunkMode, TrunkName};
+use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkMode, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, RESTART, Step, Usage,
 };
 use crate::math::index_u32;
 use crate::models::Change;
-use crate::simplify::{VertexCollapses, strips_of};
+use crate::simplify::VertexCollapses;
 
 /// Why places of strips are sent.
 const STRIP: Cause = Cause::of("strip");
@@ -41,10 +41,7 @@ impl TrunkPlan for StripPlan {
     const NAME: TrunkName = TrunkName::LodStrips;
     type Instance = Strips;
 
-    fn of(collapses: &VertexCollapses) -> Self {
-        let strips = strips_of(collapses.triangles(), |triangle| {
-            collapses.shows(triangle, 0)
-        });
+    fn of(trunk: &Trunk) -> Self {
         let mut plan = Self {
             finest: Vec::new(),
             starts: Vec::new(),
@@ -52,7 +49,7 @@ impl TrunkPlan for StripPlan {
             places: Vec::new(),
             place_starts: Vec::new(),
         };
-        for (vertices, triangles) in strips.iter() {
+        for (vertices, triangles) in trunk.strips().iter() {
             if !plan.finest.is_empty() {
                 plan.finest.push(RESTART);
                 plan.triangles.push(NO_TRIANGLE);
@@ -64,7 +61,7 @@ impl TrunkPlan for StripPlan {
         }
         // As if a restart stood at the end.
         plan.starts.push(index_u32(plan.finest.len()) + 1);
-        plan.list_places(collapses);
+        plan.list_places(trunk.collapses());
         plan
     }
 
@@ -295,7 +292,7 @@ mod tests {
     fn strips_show_the_mesh_at_every_level_whichever_way_they_came() {
         let trunk = super::super::examples::branch(6, 5);
         let collapses = trunk.collapses();
-        let plan = StripPlan::of(collapses);
+        let plan = StripPlan::of(&trunk);
         let count = collapses.collapse_count();
         let level = |collapses| TrunkLevel { collapses };
         let mut content = plan.finest.clone();

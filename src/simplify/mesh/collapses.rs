@@ -77,6 +77,13 @@ impl VertexCollapses {
         self.target.get(vertex as usize).copied()
     }
 
+    /// The collapse by which a vertex goes, from 0; `None` for those that stay.
+    #[must_use]
+    pub fn collapse_of(&self, vertex: u32) -> Option<u32> {
+        let begun = self.starts.partition_point(|&start| start <= vertex);
+        (begun < self.starts.len()).then(|| index_u32(begun) - 1)
+    }
+
     /// The triangles of the mesh at full detail, in its order, by new numbers, the lowest first.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {

@@ -41,13 +41,19 @@
 mod collapses;
 mod order;
 mod quadric;
+mod restore;
 mod strips;
 mod surface;
 
 pub use collapses::{VertexCollapse, VertexCollapses, lowest_first};
+pub use restore::{SimplifiedMesh, SimplifiedParts, simplify_mesh};
 pub use strips::{Strips, strips_of};
 
 use crate::plant::Mesh;
+
+/// Counts up whenever [`collapse_vertices`] or [`strips_of`] answers otherwise than before: what is kept
+/// of them elsewhere is of no use then.
+pub const VERTEX_COLLAPSE_VERSION: u32 = 1;
 
 /// When vertex collapse stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

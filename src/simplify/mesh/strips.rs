@@ -15,11 +15,11 @@ use crate::math::index_u32;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Strips {
-    vertices: Vec<u32>,
+    pub(super) vertices: Vec<u32>,
     /// Where each strip begins in `vertices`, and the end of the last.
-    starts: Vec<u32>,
+    pub(super) starts: Vec<u32>,
     /// The triangles in the order of the strips, two fewer a strip than vertices.
-    triangles: Vec<u32>,
+    pub(super) triangles: Vec<u32>,
 }
 
 impl Strips {

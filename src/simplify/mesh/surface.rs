@@ -350,7 +350,7 @@ pub(super) fn first_removal(points: [u32; 3]) -> u32 {
 }
 
 /// The point of each vertex, numbered in the order of their first vertices, and where they are.
-fn weld(positions: &[Vec3]) -> (Vec<u32>, Vec<DVec3>) {
+pub(super) fn weld(positions: &[Vec3]) -> (Vec<u32>, Vec<DVec3>) {
     // Zero has two signs and is one place.
     let bits = |vertex: u32| {
         let position = positions[vertex as usize] + Vec3::ZERO;
