@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::format::LeafBytes;
 use super::leaf::LeafSource;
-use super::surface::{LEAF_GROUP, Surface, Uploaded};
+use super::surface::{LEAF_GROUP, Uploaded};
 use super::{
     Change, Crown, Environment, Kind, LeafFormat, Model, ModelOptions, Records, Resident, Shared,
     State, Storage,
@@ -50,10 +50,8 @@ impl Model for Full {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let (crown, leaves) = (&self.crown, &self.leaves);
-        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
-        let model = self.clone();
-        Ok(Box::new(Uploaded { model, surface }))
+        let parts = (&*self.crown, &self.leaves);
+        Uploaded::send(device, environment, self.clone(), parts, Residency::Device)
     }
 
     fn host_bytes(&self) -> Vec<u8> {

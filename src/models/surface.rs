@@ -1,5 +1,6 @@
 //! The leaves' vertices, materials and textures on the device: the same for every model and mode.
 
+use super::Shared;
 use super::crown::Crown;
 use super::environment::Environment;
 use super::format::{LeafBytes, LeafFormat, Records};
@@ -159,6 +160,23 @@ impl Surface {
 pub(super) struct Uploaded<M> {
     pub(super) model: M,
     pub(super) surface: Surface,
+}
+
+impl<M> Uploaded<M>
+where
+    Self: Shared + 'static,
+{
+    /// Sends the surface of a model that has nothing else to share.
+    pub(super) fn send(
+        device: &mut Device,
+        environment: &Environment,
+        model: M,
+        (crown, leaves): (&Crown, &LeafBytes),
+        residency: Residency,
+    ) -> Result<Box<dyn Shared>, GpuError> {
+        let surface = Surface::upload(device, environment, crown, leaves, residency)?;
+        Ok(Box::new(Self { model, surface }))
+    }
 }
 
 /// Makes a buffer on the device and sends all of its bytes.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::format::LeafBytes;
 use super::leaf_list::LeafList;
-use super::surface::{Surface, Uploaded};
+use super::surface::Uploaded;
 use super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
@@ -131,10 +131,8 @@ impl Model for Vdf {
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
         let residency = self.transfer.residency();
-        let (crown, leaves) = (&self.crown, &self.leaves);
-        let surface = Surface::upload(device, environment, crown, leaves, residency)?;
-        let model = self.clone();
-        Ok(Box::new(Uploaded { model, surface }))
+        let parts = (&*self.crown, &self.leaves);
+        Uploaded::send(device, environment, self.clone(), parts, residency)
     }
 
     fn host_bytes(&self) -> Vec<u8> {

@@ -9,7 +9,9 @@ use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use super::groups::Groups;
-use super::{Extraction, block_starts, host_bytes, host_size, instance_host_size};
+use super::{
+    Extraction, block_starts, host_bytes, host_size, instance_host_size, price_by_cluster,
+};
 use crate::gpu::{
     BufferId, Cause, Device, GpuError, IndirectRecord, Queue, Residency, Step, Usage,
 };
@@ -75,10 +77,8 @@ impl Model for Blocks {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let (crown, leaves) = (&self.crown, &self.leaves);
-        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
-        let model = self.clone();
-        Ok(Box::new(Uploaded { model, surface }))
+        let parts = (&*self.crown, &self.leaves);
+        Uploaded::send(device, environment, self.clone(), parts, Residency::Device)
     }
 
     fn host_bytes(&self) -> Vec<u8> {
@@ -165,10 +165,9 @@ impl Resident for BlocksResident {
     }
 
     fn price(&self, to: &State) -> u64 {
-        let counts = (0..).zip(to.counts(self.model.crown.clusters()));
-        counts
-            .map(|(cluster, count)| self.price_of(cluster, count))
-            .sum()
+        price_by_cluster(&self.model.crown, to, |cluster, count| {
+            self.price_of(cluster, count)
+        })
     }
 
     fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {

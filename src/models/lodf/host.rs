@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::super::format::LeafBytes;
 use super::super::leaf_list::LeafList;
-use super::super::surface::{Surface, Uploaded};
+use super::super::surface::Uploaded;
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
@@ -51,10 +51,8 @@ impl Model for Host {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let (crown, leaves) = (&self.crown, &self.leaves);
-        let surface = Surface::upload(device, environment, crown, leaves, Residency::Host)?;
-        let model = self.clone();
-        Ok(Box::new(Uploaded { model, surface }))
+        let parts = (&*self.crown, &self.leaves);
+        Uploaded::send(device, environment, self.clone(), parts, Residency::Host)
     }
 
     fn host_bytes(&self) -> Vec<u8> {

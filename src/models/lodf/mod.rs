@@ -26,7 +26,7 @@ pub(super) use slots::{Slots, send};
 pub(super) use stamps::Stamps;
 
 use super::format::LeafBytes;
-use super::{Crown, Records};
+use super::{Crown, Records, State};
 
 /// How several changed ranges are sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,6 +81,14 @@ fn first_vertex_bytes(crown: &Crown, leaves: &LeafBytes) -> Option<Vec<u8>> {
             .flat_map(|cluster| leaves.first_vertex(cluster).to_le_bytes())
             .collect()
     })
+}
+
+/// The payload of a change to a state, where that of each cluster stands for itself.
+fn price_by_cluster(crown: &Crown, to: &State, price_of: impl Fn(u32, u32) -> u64) -> u64 {
+    let counts = (0..).zip(to.counts(crown.clusters()));
+    counts
+        .map(|(cluster, count)| price_of(cluster, count))
+        .sum()
 }
 
 /// Where each cluster's block of records begins, in records: `m` a cluster.

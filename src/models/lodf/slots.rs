@@ -8,13 +8,13 @@
 use std::sync::Arc;
 
 use super::super::format::LeafBytes;
-use super::super::surface::{Surface, Uploaded};
+use super::super::surface::Uploaded;
 use super::super::{
     Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use super::blocks::{BlockBuffers, draw_arguments, draw_count_cause};
 use super::groups::Groups;
-use super::{Gather, block_starts, host_bytes, host_size, instance_host_size};
+use super::{Gather, block_starts, host_bytes, host_size, instance_host_size, price_by_cluster};
 use crate::gpu::{Cause, Device, GpuError, Queue, Region, Residency, Step};
 use crate::math::index_u32;
 use crate::simplify::Cluster;
@@ -83,10 +83,8 @@ impl Model for Slots {
         device: &mut Device,
         environment: &Environment,
     ) -> Result<Box<dyn Shared>, GpuError> {
-        let (crown, leaves) = (&self.crown, &self.leaves);
-        let surface = Surface::upload(device, environment, crown, leaves, Residency::Device)?;
-        let model = self.clone();
-        Ok(Box::new(Uploaded { model, surface }))
+        let parts = (&*self.crown, &self.leaves);
+        Uploaded::send(device, environment, self.clone(), parts, Residency::Device)
     }
 
     fn host_bytes(&self) -> Vec<u8> {
@@ -283,10 +281,9 @@ impl Resident for SlotsResident {
     }
 
     fn price(&self, to: &State) -> u64 {
-        let counts = (0..).zip(to.counts(self.model.crown.clusters()));
-        counts
-            .map(|(cluster, count)| self.price_of(cluster, count))
-            .sum()
+        price_by_cluster(&self.model.crown, to, |cluster, count| {
+            self.price_of(cluster, count)
+        })
     }
 
     fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
