@@ -31,6 +31,7 @@ mod device;
 mod forest;
 mod history;
 pub mod laws;
+mod meddled;
 mod operation;
 mod paper;
 mod selftest;
@@ -51,6 +52,7 @@ pub use device::{
 };
 pub use forest::ForestStage;
 pub use history::{History, HistoryError};
+pub use meddled::{Meddled, Meddling, Redraw};
 pub use operation::{Operation, Walk};
 pub use paper::{LeafCount, PaperFault, PaperLodf};
 pub use selftest::{Counterexample, MutantReport, SelftestReport, selftest};

@@ -1,39 +1,11 @@
 //! The program as a user meets it: exit codes, messages with a place, nothing left behind.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use tempfile::TempDir;
 
-/// The program with arguments, run in `folder`.
-fn spinney(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_spinney"))
-        // What is built must not come from another build.
-        .env_remove("XDG_CACHE_HOME")
-        .env_remove("HOME")
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("the program starts")
-}
-
-/// A small broom of two hundred leaves, so that every command is quick.
-const SCENE: &str = r#"schema = "spinney.scene/1"
-size = [64, 48]
-frames = 3
-
-[[tree]]
-species = "shrub.toml"
-
-[camera]
-path = [
-    { frame = 0, eye = [0.0, 1.0, 6.0], target = [0.0, 1.0, 0.0] },
-    { frame = 2, eye = [0.0, 1.0, 40.0], target = [0.0, 1.0, 0.0] },
-]
-
-[model]
-mode = "slots"
-"#;
+use crate::program::{BROOM, spinney};
 
 /// A folder with `scene.toml` and `shrub.toml`, each with a text replaced.
 fn folder(scene: (&str, &str), species: (&str, &str)) -> TempDir {
@@ -41,7 +13,7 @@ fn folder(scene: (&str, &str), species: (&str, &str)) -> TempDir {
     let shrub = std::fs::read_to_string(repository("scenes/species/pistacia_lentiscus.toml"))
         .expect("the shipped species");
     for (name, text, (from, to)) in [
-        ("scene.toml", SCENE, scene),
+        ("scene.toml", BROOM, scene),
         ("shrub.toml", shrub.as_str(), species),
     ] {
         assert!(text.contains(from), "{name} says {from:?}");
@@ -155,7 +127,7 @@ fn wrong_species_are_refused_with_file_line_and_column() {
 
 #[test]
 fn names_that_mean_nothing_are_refused_where_they_stand() {
-    let device = format!("{SCENE}\n[device]\nlink = \"isa\"\n");
+    let device = format!("{BROOM}\n[device]\nlink = \"isa\"\n");
     let folder = folder(SAME, SAME);
     std::fs::write(folder.path().join("scene.toml"), device).expect("writable");
     assert_refused(
@@ -221,7 +193,7 @@ fn broken_plant_files_are_refused_with_a_byte_offset() {
     ] {
         std::fs::write(path.join(name), bytes).expect("writable");
         assert_refused(path, &["inspect", name], 2, &[name, "byte"]);
-        let scene = SCENE.replace("species = \"shrub.toml\"", &format!("file = \"{name}\""));
+        let scene = BROOM.replace("species = \"shrub.toml\"", &format!("file = \"{name}\""));
         std::fs::write(path.join("broken.toml"), scene).expect("writable");
         assert_refused(path, &["run", "broken.toml"], 2, &[name, "byte"]);
     }

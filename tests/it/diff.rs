@@ -1,24 +1,12 @@
 //! `spinney diff` as a user meets it: exit codes, words, JSON, folders.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::{Value, json};
 use spinney::report::{Layer, LayerSamples, Picture, encode_exr};
 use tempfile::TempDir;
 
-/// The program with arguments, run in `folder`.
-fn spinney(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_spinney"))
-        // What is built must not come from another build.
-        .env_remove("XDG_CACHE_HOME")
-        .env_remove("HOME")
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("COLUMNS")
-        .output()
-        .expect("the program starts")
-}
+use crate::program::{BROOM, shrub, spinney};
 
 /// What a comparison prints, and its exit code.
 fn diff(folder: &Path, arguments: &[&str]) -> (String, Option<i32>) {
@@ -301,35 +289,13 @@ fn folders_hold_triptychs_maps_and_a_page() {
     assert_eq!(output.status.code(), Some(4));
 }
 
-/// A broom of few leaves, drawn small.
-const SCENE: &str = r#"schema = "spinney.scene/1"
-size = [48, 36]
-frames = 3
-
-[[tree]]
-species = "shrub.toml"
-
-[camera]
-path = [
-    { frame = 0, eye = [0.0, 1.0, 6.0], target = [0.0, 1.0, 0.0] },
-    { frame = 2, eye = [0.0, 1.0, 40.0], target = [0.0, 1.0, 0.0] },
-]
-
-[model]
-mode = "slots"
-"#;
-
 #[test]
 fn runs_are_compared_frame_by_frame_and_field_by_field() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path();
-    let species =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/species/pistacia_lentiscus.toml");
-    let species = std::fs::read_to_string(species).expect("the shipped species");
-    let few = species.replacen("leaf_count = 5594", "leaf_count = 200", 1);
-    std::fs::write(path.join("shrub.toml"), few).expect("writable");
-    std::fs::write(path.join("scene.toml"), SCENE).expect("writable");
-    let farther = SCENE.replace("40.0]", "80.0]");
+    std::fs::write(path.join("shrub.toml"), shrub(200, 90)).expect("writable");
+    std::fs::write(path.join("scene.toml"), BROOM).expect("writable");
+    let farther = BROOM.replace("40.0]", "80.0]");
     std::fs::write(path.join("far.toml"), farther).expect("writable");
     for (scene, out) in [
         (&["run", "scene.toml", "-o", "a", "--layers"][..], "1"),

@@ -3,12 +3,14 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use tempfile::TempDir;
 
+use crate::program::{self, program};
+
 /// Three frames of a broom of 600 leaves, far enough to collapse.
-const SCENE: &str = r#"schema = "spinney.scene/1"
+pub(crate) const SCENE: &str = r#"schema = "spinney.scene/1"
 size = [64, 48]
 frames = 3
 
@@ -32,48 +34,36 @@ d_min = 5.0
 d_max = 40.0
 "#;
 
-fn spinney(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_spinney"))
-        // What is built must not come from another build.
-        .env_remove("XDG_CACHE_HOME")
-        .env_remove("HOME")
-        .args(arguments)
-        .current_dir(folder)
-        .env("COLUMNS", "80")
-        .output()
-        .expect("the program starts")
+/// What the program says on a terminal of 80 columns.
+fn said_by(folder: &Path, arguments: &[&str]) -> Output {
+    let mut program = program(folder, arguments);
+    program.env("COLUMNS", "80").output().expect("it starts")
 }
 
 /// What the program prints when it ends with `code`.
-fn printed(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = spinney(folder, arguments);
+pub(crate) fn printed(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = said_by(folder, arguments);
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
     String::from_utf8(output.stdout).expect("UTF-8")
 }
 
-fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
+pub(crate) fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
     let path = folder.join(name);
     std::fs::create_dir_all(path.parent().expect("below the folder")).expect("a folder");
     std::fs::write(path, bytes).expect("writable");
 }
 
-/// The shipped lentisk with 600 leaves and `more` keys of its leaves.
-fn shrub(more: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/species/pistacia_lentiscus.toml");
-    let text = std::fs::read_to_string(path).expect("the shipped species");
-    let small = text
-        .replacen("leaf_count = 5594", "leaf_count = 600", 1)
-        .replacen("stop_leaves = 90", "stop_leaves = 20", 1)
-        .replacen("[leaves]", &format!("[leaves]\n{more}"), 1);
-    for part in ["= 600", "= 20 ", more] {
-        assert!(small.contains(part), "{small}");
-    }
+/// A broom of 600 leaves with `more` keys of its leaves.
+pub(crate) fn shrub(more: &str) -> String {
+    let text = program::shrub(600, 20);
+    let small = text.replacen("[leaves]", &format!("[leaves]\n{more}"), 1);
+    assert!(small.contains(more), "{small}");
     small
 }
 
 /// A folder with `scene.toml` and its species.
-fn folder() -> TempDir {
+pub(crate) fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(folder.path(), "scene.toml", SCENE);
     write(folder.path(), "kinds/shrub.toml", shrub(""));
@@ -129,7 +119,7 @@ fn a_run_runs_anew_from_its_folder_alone() {
     // What the original scene gives now is another tree, and says so when it is pinned.
     let pinned = std::fs::read_to_string(&scene).expect("readable");
     write(here, "pinned.toml", pinned.replace("plants/", "kinds/"));
-    let output = spinney(here, &["run", "pinned.toml"]);
+    let output = said_by(here, &["run", "pinned.toml"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("has digest"));
 }
@@ -175,7 +165,7 @@ fn plant_files_take_along_what_lies_beside_them() {
 }
 
 /// What `--json` tells.
-fn told(folder: &Path, arguments: &[&str], code: i32) -> serde_json::Value {
+pub(crate) fn told(folder: &Path, arguments: &[&str], code: i32) -> serde_json::Value {
     let text = printed(folder, &[&["explain", "--json"], arguments].concat(), code);
     serde_json::from_str(&text).expect("JSON")
 }

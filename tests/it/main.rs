@@ -19,6 +19,7 @@ mod laws;
 mod layering;
 mod mass;
 mod model_contracts;
+mod program;
 mod raster;
 mod report;
 mod scene;

@@ -270,18 +270,10 @@ fn models_are_sound_structures() {
 mod seeded {
     //! Broken residents, each of which one law must catch.
 
-    use spinney::gpu::{Command, Draw, DrawFromCounter, DrawIndirect, GpuError, Queue, Step};
-    use spinney::models::{Change, Resident};
+    use spinney::gpu::{Draw, DrawFromCounter, DrawIndirect, Step};
+    use spinney::testkit::{Meddled, Meddling};
 
     use super::*;
-
-    /// A sound resident with one fault.
-    #[derive(Debug)]
-    struct Faulty {
-        inner: Box<dyn Resident>,
-        shown: State,
-        fault: Fault,
-    }
 
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     enum Fault {
@@ -291,65 +283,53 @@ mod seeded {
         StopsShort,
     }
 
-    impl Resident for Faulty {
-        fn state(&self) -> &State {
-            &self.shown
-        }
-
-        fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<Change, GpuError> {
-            self.shown = to.clone();
-            match (self.fault, to) {
-                (Fault::OffByOne, State::Uniform { collapses }) => self.inner.commit(
-                    queue,
-                    &State::Uniform {
-                        collapses: collapses + 1,
-                    },
-                ),
-                _ => self.inner.commit(queue, to),
-            }
-        }
-
-        fn price(&self, to: &State) -> u64 {
-            self.inner.price(to)
-        }
-
-        fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
-            self.inner.cluster_price(cluster, collapses)
-        }
-
-        fn host_bytes(&self) -> u64 {
-            self.inner.host_bytes()
-        }
-
-        fn prepare(&self, commands: &mut Vec<Command>) {
-            self.inner.prepare(commands);
-        }
-
-        fn draw(&self, steps: &mut Vec<Step>) {
-            self.inner.draw(steps);
-            if self.fault == Fault::StopsShort {
-                for step in steps {
-                    match step {
-                        Step::Draw(Draw { corner_count, .. }) => *corner_count -= 4,
-                        Step::DrawIndirect(DrawIndirect { count, .. })
-                        | Step::MultiDrawIndirect(DrawIndirect { count, .. }) => *count -= 1,
-                        Step::DrawFromCounter(DrawFromCounter { end, .. }) => *end -= 40,
-                        _ => {}
-                    }
+    impl Fault {
+        /// The fault put into a sound stage: how a state of one collapse more is told, and how many
+        /// corners are left of so many.
+        fn put<S: Clone + std::fmt::Debug + 'static>(
+            self,
+            stage: &mut Stage<S>,
+            unused: Stage<S>,
+            further: fn(&S) -> S,
+            fewer: fn(u32) -> u32,
+        ) {
+            let mut meddling = Meddling::none();
+            match self {
+                Self::OffByOne => meddling.committed = Box::new(further),
+                Self::StopsShort => {
+                    meddling.drawn = Box::new(move |_, mut steps| {
+                        for step in &mut steps {
+                            match step {
+                                Step::Draw(Draw { corner_count, .. }) => {
+                                    *corner_count = fewer(*corner_count);
+                                }
+                                Step::DrawIndirect(DrawIndirect { count, .. })
+                                | Step::MultiDrawIndirect(DrawIndirect { count, .. }) => {
+                                    *count -= 1;
+                                }
+                                Step::DrawFromCounter(DrawFromCounter { end, .. }) => *end -= 40,
+                                _ => {}
+                            }
+                        }
+                        steps
+                    });
                 }
             }
+            let inner = std::mem::replace(&mut stage.resident, unused.resident);
+            stage.resident = Box::new(Meddled::new(inner, meddling));
         }
     }
 
     fn faulty(kind: Kind, crown: &Arc<Crown>, to: &State, fault: Fault) -> Stage {
         let mut stage = Stage::at(kind, OPTIONS, crown, &State::FINEST, SIDE);
-        let empty = Stage::at(Kind::Full, OPTIONS, crown, &State::FINEST, 1).resident;
-        let inner = std::mem::replace(&mut stage.resident, empty);
-        stage.resident = Box::new(Faulty {
-            inner,
-            shown: State::FINEST,
-            fault,
-        });
+        let unused = Stage::at(Kind::Full, OPTIONS, crown, &State::FINEST, 1);
+        let further = |state: &State| match state {
+            State::Uniform { collapses } => State::Uniform {
+                collapses: collapses + 1,
+            },
+            variable @ State::Variable { .. } => variable.clone(),
+        };
+        fault.put(&mut stage, unused, further, |corners| corners - 4);
         stage.commit(to);
         stage
     }
@@ -385,50 +365,6 @@ mod seeded {
         }
     }
 
-    /// A sound trunk with one fault.
-    #[derive(Debug)]
-    struct FaultyTrunk {
-        inner: Box<dyn Resident<TrunkLevel>>,
-        shown: TrunkLevel,
-        fault: Fault,
-    }
-
-    impl Resident<TrunkLevel> for FaultyTrunk {
-        fn state(&self) -> &TrunkLevel {
-            &self.shown
-        }
-
-        fn commit(&mut self, queue: &mut Queue<'_>, to: &TrunkLevel) -> Result<Change, GpuError> {
-            self.shown = *to;
-            let further = u32::from(self.fault == Fault::OffByOne);
-            let to = TrunkLevel {
-                collapses: to.collapses + further,
-            };
-            self.inner.commit(queue, &to)
-        }
-
-        fn price(&self, to: &TrunkLevel) -> u64 {
-            self.inner.price(to)
-        }
-
-        fn host_bytes(&self) -> u64 {
-            self.inner.host_bytes()
-        }
-
-        fn draw(&self, steps: &mut Vec<Step>) {
-            self.inner.draw(steps);
-            if self.fault == Fault::StopsShort {
-                for step in steps {
-                    match step {
-                        Step::Draw(Draw { corner_count, .. }) => *corner_count /= 2,
-                        Step::DrawIndirect(DrawIndirect { count, .. }) => *count -= 1,
-                        _ => {}
-                    }
-                }
-            }
-        }
-    }
-
     /// Of the trunks with these seeds, how often a fault is caught at half detail.
     fn caught(kind: TrunkKind, fault: Fault) -> u32 {
         let mut caught = 0;
@@ -438,12 +374,11 @@ mod seeded {
                 collapses: trunk.collapses().collapse_count() / 2,
             };
             let mut walked = trunk_stage(kind, OPTIONS, &trunk, TrunkLevel::FINEST, TRUNK_SIDE);
-            let other = trunk_stage(kind, OPTIONS, &trunk, TrunkLevel::FINEST, 4).resident;
-            walked.resident = Box::new(FaultyTrunk {
-                inner: std::mem::replace(&mut walked.resident, other),
-                shown: TrunkLevel::FINEST,
-                fault,
-            });
+            let unused = trunk_stage(kind, OPTIONS, &trunk, TrunkLevel::FINEST, 4);
+            let further = |level: &TrunkLevel| TrunkLevel {
+                collapses: level.collapses + 1,
+            };
+            fault.put(&mut walked, unused, further, |corners| corners / 2);
             walked.commit(&half);
             let mut fresh = trunk_stage(kind, OPTIONS, &trunk, half, TRUNK_SIDE);
             let reference = trunk_picture(&trunk, half, TRUNK_SIDE);

@@ -2,61 +2,27 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Output};
 
+use crate::program::{shrub, spinney, walk_past_two};
 use crate::support::contents;
-
-const SCENE: &str = r#"schema = "spinney.scene/1"
-size = [96, 64]
-frames = 6
-
-[[tree]]
-species = "below/shrub.toml"
-
-[[tree]]
-species = "below/shrub.toml"
-seed = 2
-at = [1.5, 0.0, -1.0]
-
-[camera]
-path = [
-    { frame = 0, eye = [0.0, 1.2, 3.0], target = [0.4, 0.9, 0.0] },
-    { frame = 5, eye = [2.0, 1.2, 9.0], target = [0.4, 0.9, 0.0] },
-]
-
-[model]
-mode = "slots"
-detail = "variable"
-d_min = 2.0
-d_max = 9.0
-"#;
 
 /// A folder with the scene and its species.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let species = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let species = species.join("scenes/species/pistacia_lentiscus.toml");
-    let species = std::fs::read_to_string(species).expect("the shipped species");
-    let fewer = species
-        .replace("leaf_count = 5594", "leaf_count = 300")
-        .replace("stop_leaves = 90", "stop_leaves = 9");
+    let scene = walk_past_two("below/shrub.toml", [96, 64], 6);
     std::fs::create_dir(folder.path().join("below")).expect("writable");
-    std::fs::write(folder.path().join("below/shrub.toml"), fewer).expect("writable");
-    std::fs::write(folder.path().join("scene.toml"), SCENE).expect("writable");
+    std::fs::write(folder.path().join("below/shrub.toml"), shrub(300, 9)).expect("writable");
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("writable");
     folder
 }
 
-fn spinney(folder: &Path, arguments: &str) -> Output {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_spinney"));
-    // What is built must not come from another build.
-    program.env_remove("XDG_CACHE_HOME").env_remove("HOME");
-    program.current_dir(folder).args(arguments.split(' '));
-    program.output().expect("the program starts")
+fn words(arguments: &str) -> Vec<&str> {
+    arguments.split(' ').collect()
 }
 
 /// Runs the program, which must succeed; answers what it prints.
 fn done(folder: &Path, arguments: &str) -> String {
-    let output = spinney(folder, arguments);
+    let output = spinney(folder, &words(arguments));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{arguments}: {said}");
     String::from_utf8(output.stdout).expect("text")
@@ -64,7 +30,7 @@ fn done(folder: &Path, arguments: &str) -> String {
 
 /// Runs the program, which must refuse its input; answers what it says.
 fn refused(folder: &Path, arguments: &str) -> String {
-    let output = spinney(folder, arguments);
+    let output = spinney(folder, &words(arguments));
     assert_eq!(output.status.code(), Some(2), "{arguments}");
     String::from_utf8(output.stderr).expect("text")
 }

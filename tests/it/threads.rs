@@ -2,35 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 
+use crate::program::{program, walk_past_two};
 use crate::support::contents;
-
-/// A walk past two trees, with several tiles and more bytes of picture than one thread digests.
-const SCENE: &str = r#"schema = "spinney.scene/1"
-size = [224, 160]
-frames = 3
-
-[[tree]]
-species = "SPECIES"
-
-[[tree]]
-species = "SPECIES"
-seed = 2
-at = [1.5, 0.0, -1.0]
-
-[camera]
-path = [
-    { frame = 0, eye = [0.0, 1.2, 3.0], target = [0.4, 0.9, 0.0] },
-    { frame = 2, eye = [2.0, 1.2, 9.0], target = [0.4, 0.9, 0.0] },
-]
-
-[model]
-mode = "slots"
-detail = "variable"
-d_min = 2.0
-d_max = 9.0
-"#;
 
 /// How the program is told: `--threads`, `RAYON_NUM_THREADS`.
 const TOLD: [[Option<&str>; 2]; 4] = [
@@ -70,17 +44,13 @@ fn assert_same_folders(arguments: &[&str], kinds: &[&str], named: &[&str]) {
     let species = Path::new(env!("CARGO_MANIFEST_DIR"));
     let species = species.join("scenes/species/pistacia_lentiscus.toml");
     std::fs::copy(species, folder.path().join("shrub.toml")).expect("the shipped species");
-    let scene = SCENE.replace("SPECIES", "shrub.toml");
+    // Several tiles, and more bytes of picture than one thread digests.
+    let scene = walk_past_two("shrub.toml", [224, 160], 3);
     std::fs::write(folder.path().join("scene.toml"), scene).expect("writable");
     let mut wanted = None;
     for [threads, environment] in TOLD {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_spinney"));
-        // What is built must not come from another build.
-        program.env_remove("XDG_CACHE_HOME").env_remove("HOME");
-        program.args(arguments).args(["-o", "out"]);
-        program
-            .current_dir(folder.path())
-            .env_remove("RAYON_NUM_THREADS");
+        let mut program = program(folder.path(), arguments);
+        program.args(["-o", "out"]).env_remove("RAYON_NUM_THREADS");
         if let Some(threads) = threads {
             program.args(["--threads", threads]);
         }

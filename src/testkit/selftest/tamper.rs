@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use super::super::device::{Change, Counted, DeviceModel, Picture, Reads, Resource};
-use super::super::{History, Stage};
-use crate::gpu::{Command, Corners, Draw, DrawFromCounter, DrawIndirect, GpuError, Queue, Step};
-use crate::models::{
-    self, Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Resident, State,
-};
+use super::super::{History, Meddled, Meddling, Stage};
+use crate::gpu::{Corners, Draw, DrawFromCounter, DrawIndirect, Step};
+use crate::models::{Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, State};
 
 /// What is wrong in a device model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,19 +63,25 @@ impl Tampered {
         let model = kind.model(crown, OPTIONS);
         let mut stage = Stage::new(Stage::descriptor(), model.as_ref(), state, SIDE)
             .expect("a few leaves fit any device");
-        if matches!(
-            fault,
-            Some(DeviceFault::TiesBySlotOrder | DeviceFault::StopsShort)
-        ) {
-            let crown = Arc::clone(crown);
-            stage = stage.wrapped(|inner| {
-                Box::new(Redrawn {
-                    inner,
-                    crown,
-                    fault,
-                })
-            });
+        let mut meddling = Meddling::none();
+        match fault {
+            Some(DeviceFault::TiesBySlotOrder) => {
+                let crown = Arc::clone(crown);
+                let slots = move |state: &State, step| match step {
+                    Step::DrawIndirect(_) => slot_by_slot(&crown, state),
+                    step => vec![step],
+                };
+                meddling.drawn = Box::new(move |state, steps| {
+                    let steps = steps.into_iter();
+                    steps.flat_map(|step| slots(state, step)).collect()
+                });
+            }
+            Some(DeviceFault::StopsShort) => {
+                meddling.drawn = Box::new(|_, steps| steps.into_iter().filter_map(short).collect());
+            }
+            _ => {}
         }
+        stage = stage.wrapped(|inner| Box::new(Meddled::new(inner, meddling)));
         let mut tampered = Self {
             stage,
             fault,
@@ -260,93 +264,43 @@ impl DeviceModel for Tampered {
     }
 }
 
-/// A resident whose draw is changed.
-#[derive(Debug)]
-struct Redrawn {
-    inner: Box<dyn Resident>,
-    crown: Arc<Crown>,
-    fault: Option<DeviceFault>,
+/// The visible slots of all clusters, each drawn by itself and with a group of its own.
+fn slot_by_slot(crown: &Crown, state: &State) -> Vec<Step> {
+    let clusters = crown.clusters();
+    let counts = state.counts(clusters);
+    let mut draws = Vec::new();
+    let mut start = 0;
+    for (cluster, count) in clusters.clusters.iter().zip(counts) {
+        let slots = start..start + cluster.original_count() - count;
+        draws.extend(slots.map(|slot| {
+            Step::Draw(Draw {
+                source: Corners::Indexed,
+                first_corner: 4 * slot,
+                corner_count: 4,
+                instance: 0,
+                group: LEAF_GROUP + slot,
+            })
+        }));
+        start += cluster.original_count();
+    }
+    draws
 }
 
-impl Resident for Redrawn {
-    fn state(&self) -> &State {
-        self.inner.state()
-    }
-
-    fn commit(&mut self, queue: &mut Queue<'_>, to: &State) -> Result<models::Change, GpuError> {
-        self.inner.commit(queue, to)
-    }
-
-    fn price(&self, to: &State) -> u64 {
-        self.inner.price(to)
-    }
-
-    fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
-        self.inner.cluster_price(cluster, collapses)
-    }
-
-    fn host_bytes(&self) -> u64 {
-        self.inner.host_bytes()
-    }
-
-    fn prepare(&self, commands: &mut Vec<Command>) {
-        self.inner.prepare(commands);
-    }
-
-    fn draw(&self, steps: &mut Vec<Step>) {
-        let mut sound = Vec::new();
-        self.inner.draw(&mut sound);
-        for step in sound {
-            match (self.fault, step) {
-                (Some(DeviceFault::TiesBySlotOrder), Step::DrawIndirect(_)) => {
-                    steps.extend(self.slot_by_slot());
-                }
-                (Some(DeviceFault::StopsShort), step) => steps.extend(self.short(step)),
-                (_, step) => steps.push(step),
-            }
-        }
-    }
-}
-
-impl Redrawn {
-    /// The visible slots of all clusters, each drawn by itself and with a group of its own.
-    fn slot_by_slot(&self) -> Vec<Step> {
-        let clusters = self.crown.clusters();
-        let counts = self.inner.state().counts(clusters);
-        let mut draws = Vec::new();
-        let mut start = 0;
-        for (cluster, count) in clusters.clusters.iter().zip(counts) {
-            let slots = start..start + cluster.original_count() - count;
-            draws.extend(slots.map(|slot| {
-                Step::Draw(Draw {
-                    source: Corners::Indexed,
-                    first_corner: 4 * slot,
-                    corner_count: 4,
-                    instance: 0,
-                    group: LEAF_GROUP + slot,
-                })
-            }));
-            start += cluster.original_count();
-        }
-        draws
-    }
-
-    /// A step that draws less.
-    fn short(&self, step: Step) -> Option<Step> {
-        Some(match step {
-            Step::Draw(draw) => Step::Draw(Draw {
-                corner_count: draw.corner_count - 4,
-                ..draw
-            }),
-            Step::DrawIndirect(draw) => Step::DrawIndirect(DrawIndirect {
-                count: draw.count.checked_sub(1)?,
-                ..draw
-            }),
-            Step::DrawFromCounter(draw) => Step::DrawFromCounter(DrawFromCounter {
-                end: draw.end - 4,
-                ..draw
-            }),
-            other => other,
-        })
-    }
+/// A step that draws less.
+fn short(step: Step) -> Option<Step> {
+    Some(match step {
+        Step::Draw(draw) => Step::Draw(Draw {
+            corner_count: draw.corner_count - 4,
+            ..draw
+        }),
+        Step::DrawIndirect(draw) => Step::DrawIndirect(DrawIndirect {
+            count: draw.count.checked_sub(1)?,
+            ..draw
+        }),
+        Step::DrawFromCounter(draw) => Step::DrawFromCounter(DrawFromCounter {
+            end: draw.end - 4,
+            ..draw
+        }),
+        other => other,
+    })
 }
