@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::MAX_LISTED;
 use super::operations::hexadecimal;
-use crate::gpu::{BufferId, ResourceId};
+use crate::gpu::{BufferId, RESTART, ResourceId};
 use crate::models::Crown;
 use crate::run::{Owner, Session, World};
 
@@ -169,6 +169,10 @@ impl<'s> Reader<'s> {
                 format!("vertex {number}: {}", floats(&[x, y, z]))
             }
             ("trunk indices", &[a, b, c]) => format!("triangle {number}: {a} {b} {c}"),
+            ("trunk triangles", &[a, b, c]) => format!("slot {number}: {a} {b} {c}"),
+            ("trunk strips", &[RESTART]) => format!("place {number}: a new strip begins"),
+            ("trunk strips", &[vertex]) => format!("place {number}: vertex {vertex}"),
+            ("trunk draw arguments", &[corners, ..]) => format!("draw {number}: {corners} corners"),
             _ => format!("record {number}: {}", hexadecimal(bytes)),
         }
     }
@@ -177,9 +181,13 @@ impl<'s> Reader<'s> {
 /// Bytes of a record of a buffer with this label.
 fn stride(label: &str) -> u64 {
     match label {
-        "leaf records" | "leaf list" | "draw arguments" | "leaf list arguments" => 16,
+        "leaf records"
+        | "leaf list"
+        | "draw arguments"
+        | "leaf list arguments"
+        | "trunk draw arguments" => 16,
         "stamped records" => 24,
-        "leaf vertices" | "trunk indices" => 12,
+        "leaf vertices" | "trunk indices" | "trunk triangles" => 12,
         "placements" | "trunk vertices" => 32,
         "leaf materials" => 64,
         "view" => 100,

@@ -9,6 +9,7 @@ use super::operations::{OperationDifference, first_difference, operations, same_
 use super::pixels::{FramePixels, frame_pixels};
 use super::replay::{RecordedRun, Replay, ReplayedFrame};
 use super::sequences::{LeafNames, SequenceDifference, sequence_difference};
+use super::trunks::{LevelDifference, TrunkDifference, level_difference, trunk_differences};
 use super::{EXPLAIN_SCHEMA, ExplainError, bounded};
 use crate::run::{Progress, World};
 
@@ -37,6 +38,10 @@ pub struct RunsReport {
     pub plants: Vec<PlantDifference>,
     /// The collapse sequences that differ.
     pub sequences: Vec<SequenceDifference>,
+    /// The trunks that differ, in their mesh or in how it is simplified.
+    pub trunks: Vec<TrunkDifference>,
+    /// The first frame that shows a trunk at another level, or by a model without levels.
+    pub levels: Option<LevelDifference>,
     /// The first lines that differ in the runs' own records.
     pub records: Vec<FirstDifference>,
     /// The first transfer that they do not share, as they are played again.
@@ -121,6 +126,8 @@ pub fn explain_runs(
         plant_files: plant_files(a, b),
         plants: Vec::new(),
         sequences: Vec::new(),
+        trunks: Vec::new(),
+        levels: None,
         records,
         operation: None,
         buffer_count: 0,
@@ -136,6 +143,8 @@ pub fn explain_runs(
     }
     let worlds = [a.world(progress)?, b.world(progress)?];
     compare_plants(&worlds, &mut report);
+    report.trunks = trunk_differences([a, b], &worlds);
+    report.levels = level_difference([a, b], &worlds)?;
     play(a, b, &worlds, &common, progress, &mut report)?;
     report.summary = super::summary::of(&report);
     Ok(report)

@@ -26,6 +26,8 @@ mod rivals;
 mod sequences;
 mod summary;
 mod trunk;
+mod trunks;
+mod uploads;
 
 pub use asked::{AskedDifference, PlantFileDifference};
 pub use buffers::{BufferDifference, Insertion, RecordDifference};
@@ -38,7 +40,9 @@ pub use pixels::FramePixels;
 pub use replay::{RecordedRun, Replay, ReplayedFrame};
 pub use rivals::{Fate, Rival, SampleStory, Verdict};
 pub use sequences::{ClusterPlace, CollapsePlace, SequenceDifference};
-pub use trunk::{BranchStory, TrunkStory};
+pub use trunk::{BranchStory, TrunkLevelStory, TrunkStory, VertexCollapseStory};
+pub use trunks::{LevelDifference, TrunkDifference, VertexCollapsePlace};
+pub use uploads::UploadStory;
 
 use std::path::PathBuf;
 

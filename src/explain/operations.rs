@@ -98,6 +98,16 @@ pub(super) fn operations(ledger: &Ledger, session: &Session<'_>) -> Vec<Operatio
 }
 
 impl Operation {
+    /// The transfer.
+    pub(super) fn transfer(&self) -> &Transfer {
+        &self.transfer
+    }
+
+    /// What it wrote: where, first byte, bytes.
+    pub(super) fn ranges(&self) -> &[(ResourceId, u64, Vec<u8>)] {
+        &self.ranges
+    }
+
     /// Whether both do the same; modelled figures follow from links, not from what is done.
     fn same(&self, other: &Self) -> bool {
         let key = |one: &Self| {

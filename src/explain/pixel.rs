@@ -5,14 +5,16 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::leaf::{LeafBook, LeafStory};
+use super::operations::operations;
 use super::replay::{RecordedRun, Replay, ReplayedFrame};
 use super::rivals::{SampleStory, decide};
 use super::trunk::{TrunkStory, trunk_story};
+use super::uploads::Uploads;
 use super::{EXPLAIN_SCHEMA, ExplainError, bounded};
 use crate::gpu::{Key, ProbedFragment};
 use crate::math::Vec4;
 use crate::models::{LEAF_GROUP, State, TERRAIN_GROUP, TRUNK_GROUP, Trunk};
-use crate::run::{Frame, Progress, Session, World};
+use crate::run::{Frame, Owner, Progress, Session, World};
 use crate::scene::{PlantSource, Tree};
 
 /// All there is to tell of a pixel.
@@ -140,24 +142,50 @@ pub fn explain_pixel(
     let mut replay = Replay::new(run, &world)?;
     progress.begin("frames", place as u64 + 1);
     let mut drawn = None;
+    let mut uploads = Uploads::default();
+    let session = replay.session();
+    uploads.add(None, &operations(session.initial(), session), session);
     for _ in 0..=place {
         drawn = replay.draw_next()?;
+        if let Some((frame, _)) = &drawn {
+            let session = replay.session();
+            let sent = operations(&frame.ledger, session);
+            uploads.add(Some(frame.frame), &sent, session);
+        }
         progress.step();
     }
     let Some((frame, replayed)) = drawn else {
         return Err(unknown());
     };
-    report(run, &world, replay.session(), &frame, replayed, pixel)
+    let scene = Played {
+        run,
+        world: &world,
+        session: replay.session(),
+        uploads,
+    };
+    report(&scene, &frame, replayed, pixel)
+}
+
+/// A run as it was played again up to a frame.
+struct Played<'p> {
+    run: &'p RecordedRun,
+    world: &'p World,
+    session: &'p Session<'p>,
+    uploads: Uploads,
 }
 
 fn report(
-    run: &RecordedRun,
-    world: &World,
-    session: &Session<'_>,
+    played: &Played<'_>,
     frame: &Frame,
     replayed: ReplayedFrame,
     pixel: [u32; 2],
 ) -> Result<PixelReport, ExplainError> {
+    let Played {
+        run,
+        world,
+        session,
+        ..
+    } = played;
     let fragments = session.probe(pixel)?;
     let target = session.device().inspect_target(session.target());
     let target = target.expect("a session keeps its target");
@@ -197,7 +225,7 @@ fn report(
             }
         }
         if let Some(tree) = tree {
-            tell(run, world, frame, number, &mut places);
+            tell(played, frame, number, &mut places);
             trees.push(tree);
         }
     }
@@ -265,13 +293,13 @@ fn plain_place(fragment: &ProbedFragment) -> PixelPlace {
 }
 
 /// Tells the leaves and triangles of one tree's fragments.
-fn tell(
-    run: &RecordedRun,
-    world: &World,
-    frame: &Frame,
-    number: u32,
-    places: &mut [Option<PixelPlace>],
-) {
+fn tell(played: &Played<'_>, frame: &Frame, number: u32, places: &mut [Option<PixelPlace>]) {
+    let Played {
+        run,
+        world,
+        session,
+        uploads,
+    } = played;
     let standing = world.trees.get(number as usize);
     let Some((tree, state)) = standing.zip(frame.states.get(number as usize)) else {
         return;
@@ -292,6 +320,10 @@ fn tell(
                     trunk_story(crown, trunk, level, [a, b, c], &tree.placement)
                 };
                 place.trunk = trunk.and_then(story);
+                if let Some(trunk) = &mut place.trunk {
+                    let owners = [Owner::Tree(number), Owner::Plant(tree.crown)];
+                    trunk.upload = uploads.of_triangle(session, owners, [a, b, c]);
+                }
             }
             _ => {}
         }

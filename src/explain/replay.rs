@@ -8,7 +8,7 @@ use super::ExplainError;
 use crate::document::read_file;
 use crate::limits::RUN_TEXT_BYTES;
 use crate::models::Kind;
-use crate::report::{LEDGER_SCHEMA, OpsReader, RunLedger};
+use crate::report::{LEDGER_SCHEMA, OpsReader, ReportError, RunLedger};
 use crate::run::{Frame, Progress, Session, SessionOptions, World};
 use crate::scene::{Scene, SceneFile};
 
@@ -119,6 +119,14 @@ impl RecordedRun {
         frames.filter_map(|entry| entry.frame).collect()
     }
 
+    /// What is wrong with a line of its states.
+    pub(super) fn wrong(&self, source: ReportError) -> ExplainError {
+        ExplainError::Report {
+            folder: self.folder.clone(),
+            source,
+        }
+    }
+
     /// The plants, grown or imported from the run's own copies.
     ///
     /// # Errors
@@ -184,11 +192,8 @@ impl<'r> Replay<'r> {
         };
         let entry = self.run.ledger.frames.get(self.next);
         self.next += 1;
-        let of_run = |source| ExplainError::Report {
-            folder: self.run.folder.clone(),
-            source,
-        };
-        let (number, states) = self.reader.read(line).map_err(of_run)?;
+        let wrong = |source| self.run.wrong(source);
+        let (number, states) = self.reader.read(line).map_err(wrong)?;
         self.session.record();
         let change = self.session.commit_states(states)?;
         let frame = self.session.draw(number, change)?;

@@ -1,6 +1,7 @@
 //! Where two runs part, in one sentence: the first cause, the first transfer, the pixels.
 
 use super::leaves::{LeafPlace, PlantDifference};
+use super::trunks::TrunkDifference;
 use super::{AskedDifference, RunsReport};
 
 /// The sentence.
@@ -21,6 +22,15 @@ pub(super) fn of(report: &RunsReport) -> String {
             Some(first) => format!("collapses differ from number {first} on"),
             None => "all collapses join the same leaves, at other costs".to_owned(),
         });
+    }
+    if let Some(trunk) = report.trunks.first() {
+        parts.push(trunk_cause(trunk));
+    }
+    if let Some(levels) = &report.levels {
+        let (frame, tree, [a, b]) = (levels.frame, levels.tree, levels.collapses);
+        parts.push(format!(
+            "frame {frame} shows the trunk of tree {tree} after {a} collapses in A, {b} in B"
+        ));
     }
     match &report.operation {
         Some(operation) => {
@@ -86,6 +96,25 @@ fn plant_cause(plant: &PlantDifference) -> String {
             "of the leaves of tree {tree}, {only_a} stand in A alone, {only_b} in B alone, and \
              {moved} moved"
         ),
+    }
+}
+
+fn trunk_cause(trunk: &TrunkDifference) -> String {
+    let tree = trunk.tree;
+    match (trunk.first_triangle, &trunk.branch, trunk.first_collapse) {
+        (Some(triangle), Some(branch), _) => {
+            let branch = branch.branch;
+            format!(
+                "the trunk of tree {tree} differs from triangle {triangle} on (branch {branch})"
+            )
+        }
+        (Some(triangle), None, _) => {
+            format!("the trunk of tree {tree} differs from triangle {triangle} on")
+        }
+        (None, _, Some(first)) => {
+            format!("collapses of the trunk of tree {tree} differ from number {first} on")
+        }
+        (None, _, None) => format!("the trunk of tree {tree} differs in its material"),
     }
 }
 

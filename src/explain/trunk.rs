@@ -1,7 +1,9 @@
-//! What there is to tell of a triangle of a trunk: which branch's tube it is part of.
+//! What there is to tell of a triangle of a trunk: which branch's tube it is part of, which collapse made
+//! it, and which transfer brought it.
 
 use serde::Serialize;
 
+use super::uploads::UploadStory;
 use crate::math::index_u32;
 use crate::models::{Crown, Placement, Trunk, TrunkLevel};
 
@@ -17,10 +19,48 @@ pub struct TrunkStory {
     pub plant: [[f32; 3]; 3],
     /// Where they are in the world, in metres.
     pub world: [[f32; 3]; 3],
+    /// The level at which the trunk shows; a model without levels has none.
+    pub level: Option<TrunkLevelStory>,
+    /// The collapse that gave it its corners; one that is as in the mesh has none.
+    pub made_by: Option<VertexCollapseStory>,
+    /// The next collapse that moves one of its corners or takes it away.
+    pub changed_by: Option<VertexCollapseStory>,
+    /// Where its corners lie on the device, and which transfer brought them.
+    pub upload: Option<UploadStory>,
     /// The branch whose tube it is part of; an imported trunk without a skeleton has none.
     pub branch: Option<BranchStory>,
     /// The material's name.
     pub material: String,
+}
+
+/// The level of a trunk.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TrunkLevelStory {
+    /// Collapses done.
+    pub collapses: u32,
+    /// Collapses that there are.
+    pub all_collapses: u32,
+    /// Triangles that show.
+    pub triangles: u32,
+}
+
+/// A collapse of a trunk, as it changes one triangle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VertexCollapseStory {
+    /// Its number in the sequence, from 0.
+    pub collapse: u32,
+    /// What the simplifier paid: squared metres of distance times square metres of surface.
+    pub cost: f64,
+    /// How far the surface is from that of full detail then, in metres.
+    pub error: f32,
+    /// The corner that goes, by its number in the mesh.
+    pub vertex: u32,
+    /// The vertex that it goes to.
+    pub target: u32,
+    /// Whether the triangle goes with it.
+    pub removes: bool,
+    /// Whether it is done in the frame's state.
+    pub done: bool,
 }
 
 /// A place on a branch.
@@ -57,7 +97,19 @@ pub(super) fn trunk_story(
         Some(level) => trunk.in_mesh(level, corners)?,
     };
     let plant = corners.map(|vertex| mesh.positions[vertex as usize]);
+    let [made_by, changed_by] = match level {
+        None => [None, None],
+        Some(level) => changes(trunk, triangle, level),
+    };
     Some(TrunkStory {
+        level: level.map(|level| TrunkLevelStory {
+            collapses: level.collapses,
+            all_collapses: trunk.collapses().collapse_count(),
+            triangles: trunk.triangle_count(level),
+        }),
+        made_by,
+        changed_by,
+        upload: None,
         triangle,
         vertices: corners,
         plant: plant.map(|point| point.to_array()),
@@ -67,12 +119,47 @@ pub(super) fn trunk_story(
     })
 }
 
+/// The last collapse before a level that changes a triangle, and the first after it.
+fn changes(trunk: &Trunk, triangle: u32, level: TrunkLevel) -> [Option<VertexCollapseStory>; 2] {
+    let collapses = trunk.collapses();
+    let story = |(collapse, vertex): (u32, u32)| {
+        let step = collapses.steps()[collapse as usize];
+        let number = |vertex: u32| collapses.order()[vertex as usize];
+        Some(VertexCollapseStory {
+            collapse,
+            cost: step.cost,
+            error: step.error,
+            vertex: number(vertex),
+            target: number(collapses.target(vertex)?),
+            removes: collapses.removal(triangle) == Some(collapse + 1),
+            done: collapse < level.collapses,
+        })
+    };
+    let (mut made, mut next) = (None, None);
+    for corner in collapses.triangles()[triangle as usize] {
+        let mut vertex = corner;
+        while let Some(collapse) = collapses.collapse_of(vertex) {
+            let found = (collapse, vertex);
+            if collapse >= level.collapses {
+                next = Some(next.map_or(found, |known: (u32, u32)| known.min(found)));
+                break;
+            }
+            made = made.max(Some(found));
+            let Some(target) = collapses.target(vertex) else {
+                break;
+            };
+            vertex = target;
+        }
+    }
+    [made, next].map(|found| found.and_then(story))
+}
+
 /// Where on the skeleton a triangle is.
 ///
 /// Tubes follow one another in the order of branches and share no vertices. Each begins with the ring
 /// around its branch's first node, where the texture begins, and ends with one vertex at the last
 /// node; between lie the rings, node by node. Branches that are too thin have no tube.
-fn branch_at(crown: &Crown, corners: [u32; 3]) -> Option<BranchStory> {
+pub(super) fn branch_at(crown: &Crown, corners: [u32; 3]) -> Option<BranchStory> {
     let (skeleton, mesh) = (crown.plant().skeleton()?, crown.plant().trunk()?);
     let lowest = corners.into_iter().min()? as usize;
     let begins = |vertex: &usize| mesh.texture_coordinates[*vertex].to_array() == [1.0, 0.0];

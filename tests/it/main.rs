@@ -7,6 +7,7 @@ mod determinism;
 mod device_camera;
 mod diff;
 mod explain;
+mod explain_trunks;
 mod forest;
 mod forest_faults;
 mod forest_laws;

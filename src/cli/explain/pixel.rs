@@ -248,6 +248,7 @@ fn tell_trunk(trunk: &TrunkStory, facts: &mut Facts) {
         }
     };
     facts.add("trunk", format!("triangle {}, {place}", trunk.triangle));
+    tell_level(trunk, facts);
     facts.add("material", format!("{:?}", trunk.material));
     facts.add("vertices", "number; in the plant | in the world, metres");
     for corner in 0..3 {
@@ -257,6 +258,67 @@ fn tell_trunk(trunk: &TrunkStory, facts: &mut Facts) {
             point(trunk.plant[corner]),
             point(trunk.world[corner])
         ));
+    }
+}
+
+/// What the trunk's level made of a triangle, and what brought it.
+fn tell_level(trunk: &TrunkStory, facts: &mut Facts) {
+    if let Some(level) = &trunk.level {
+        facts.add(
+            "level",
+            format!(
+                "{} of {} collapses done, {} triangles",
+                level.collapses, level.all_collapses, level.triangles
+            ),
+        );
+        facts.add(
+            "",
+            match &trunk.made_by {
+                None => "the triangle is as in the mesh".to_owned(),
+                Some(made) => format!(
+                    "made by collapse {} (cost {}, error {} m), which moved vertex {} to {}",
+                    made.collapse, made.cost, made.error, made.vertex, made.target
+                ),
+            },
+        );
+        facts.add(
+            "",
+            match &trunk.changed_by {
+                None => "no collapse changes it further".to_owned(),
+                Some(next) => format!(
+                    "collapse {} (cost {}) will {} vertex {} to {}",
+                    next.collapse,
+                    next.cost,
+                    if next.removes {
+                        "take it away, moving"
+                    } else {
+                        "move its"
+                    },
+                    next.vertex,
+                    next.target
+                ),
+            },
+        );
+    }
+    if let Some(upload) = &trunk.upload {
+        let place = format!(
+            "bytes {}..{} of {:?} of {}",
+            upload.start, upload.end, upload.buffer, upload.owner
+        );
+        let when = upload.frame.map_or_else(
+            || "before the first frame".to_owned(),
+            |frame| format!("with frame {frame}"),
+        );
+        facts.add(
+            "sent",
+            match (&upload.cause, upload.payload_bytes) {
+                (Some(cause), Some(bytes)) => {
+                    let id = upload.id.map_or(String::new(), |id| format!(" {id}"));
+                    format!("{place}, last {when}, cause {cause}{id}, {bytes} B")
+                }
+                _ => format!("{place}, in host memory: each draw pulls them"),
+            },
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use super::facts::{Facts, counted};
 use crate::explain::{
     AskedDifference, BufferDifference, ClusterPlace, CollapsePlace, LeafPlace, OperationDifference,
-    OperationSide, PlantDifference, RunsReport, SequenceDifference, SideReport,
+    OperationSide, PlantDifference, RunsReport, SequenceDifference, SideReport, TrunkDifference,
 };
 use crate::report::grouped;
 
@@ -27,6 +27,21 @@ pub(super) fn text(report: &RunsReport, width: usize) -> String {
     for sequence in &report.sequences {
         facts.blank();
         tell_sequence(sequence, &mut facts);
+    }
+    for trunk in &report.trunks {
+        facts.blank();
+        tell_trunk(trunk, &mut facts);
+    }
+    if let Some(levels) = &report.levels {
+        let ([a, b], [ours, theirs]) = (levels.collapses, levels.triangles);
+        facts.add(
+            "levels",
+            format!(
+                "frame {} shows the trunk of tree {} after {a} collapses in A ({ours} triangles), {b} in \
+                 B ({theirs}); so do {} of its trees",
+                levels.frame, levels.tree, levels.trees
+            ),
+        );
     }
     facts.blank();
     match &report.operation {
@@ -231,6 +246,41 @@ fn tell_sequence(sequence: &SequenceDifference, facts: &mut Facts) {
     if sequence.clusters_only_b_count > 0 {
         let words = list(&sequence.clusters_only_b, sequence.clusters_only_b_count);
         facts.side("B", words);
+    }
+}
+
+fn tell_trunk(trunk: &TrunkDifference, facts: &mut Facts) {
+    let ([a, b], [c, d]) = (trunk.vertices, trunk.triangles);
+    let first = match (trunk.first_triangle, &trunk.branch) {
+        (None, _) => "the triangles are the same".to_owned(),
+        (Some(first), None) => format!("the first triangle that differs is {first}"),
+        (Some(first), Some(branch)) => format!(
+            "the first triangle that differs is {first}, on branch {} above node {}",
+            branch.branch, branch.node
+        ),
+    };
+    facts.add(
+        "trunk",
+        format!(
+            "of tree {}: {a} vertices and {c} triangles in A, {b} and {d} in B; {first}",
+            trunk.tree
+        ),
+    );
+    let (Some([ours, theirs]), Some(first)) = (trunk.collapses, trunk.first_collapse) else {
+        return;
+    };
+    facts.add(
+        "",
+        format!("{ours} collapses in A, {theirs} in B, the first that differs is {first}"),
+    );
+    for (side, place) in [("A", &trunk.a), ("B", &trunk.b)] {
+        let words = place.as_ref().map_or("ends before".to_owned(), |place| {
+            format!(
+                "vertex {} goes to {} at cost {}, error {} m",
+                place.vertex, place.target, place.cost, place.error
+            )
+        });
+        facts.side(side, words);
     }
 }
 
