@@ -39,6 +39,19 @@ pub(super) fn render(device: &mut Device, pass: &RenderPass) -> Result<(), GpuEr
     Ok(())
 }
 
+/// Checks and counts one pass as [`render`] does, and draws nothing: no sample is visible.
+pub(super) fn tally(device: &mut Device, pass: &RenderPass) -> Result<(), GpuError> {
+    if device.descriptor.raster.counters == Counters::Exact {
+        let what = "exact counters of a pass that is not drawn".to_owned();
+        return Err(GpuError::Unsupported { what });
+    }
+    device.target(pass.target)?;
+    let plan = plan(device, pass)?;
+    let outcomes = vec![Outcome::default(); plan.draws.len()];
+    count(device, &plan, &outcomes);
+    Ok(())
+}
+
 /// Draws a plan, part by part of the target if its geometry is too much at once; answers what came of
 /// each draw.
 fn draw(device: &Device, plan: &Plan, target: &mut Target) -> Vec<Outcome> {

@@ -2,7 +2,7 @@
 
 use super::bus::{Part, RecordingEntry, ResourceId};
 use super::ledger::{Cause, Stream};
-use super::pass::Command;
+use super::pass::{Command, RenderPass};
 use super::{BufferId, Device, GpuError, Residency, TextureId, Usage, dispatch, execute};
 
 /// The queue of a device.
@@ -171,9 +171,28 @@ impl<'d> Queue<'d> {
     ///
     /// What a command breaks; it then has no effect and counts nothing, those before it stand.
     pub fn submit(&mut self, commands: &[Command]) -> Result<(), GpuError> {
+        self.submit_with(commands, execute::render)
+    }
+
+    /// As [`submit`](Self::submit), but render passes are only counted: commands, draws, vertices and
+    /// what they fetch, as if they were drawn; visible samples are 0, and their targets stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// As [`submit`](Self::submit); and [`GpuError::Unsupported`] under exact counters, which are of
+    /// samples.
+    pub fn tally(&mut self, commands: &[Command]) -> Result<(), GpuError> {
+        self.submit_with(commands, execute::tally)
+    }
+
+    fn submit_with(
+        &mut self,
+        commands: &[Command],
+        render: fn(&mut Device, &RenderPass) -> Result<(), GpuError>,
+    ) -> Result<(), GpuError> {
         for command in commands {
             match command {
-                Command::Render(pass) => execute::render(self.device, pass)?,
+                Command::Render(pass) => render(self.device, pass)?,
                 Command::Copy {
                     source,
                     source_offset,

@@ -8,6 +8,7 @@
 //! **Invariant.** What a frame shows and counts depends on the scene and the frame's number alone:
 //! every session commits every frame in order, also those that it does not draw.
 
+mod bytes;
 mod cache;
 mod crowns;
 mod frame;
@@ -25,6 +26,7 @@ mod trunks;
 mod views;
 mod world;
 
+pub use bytes::{ByteOptions, ModelBytes, PlantBytes, StepBytes, StepTraffic, bytes};
 pub use cache::{CacheLimit, ModelCache};
 pub use crowns::CrownStore;
 pub use frame::Frame;

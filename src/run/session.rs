@@ -41,6 +41,9 @@ pub struct Session<'w> {
     owners: Owners,
 }
 
+/// The target's label.
+const FRAME: &str = "frame";
+
 /// How many collapses stand at a level from 0 to 1.
 fn share_of(level: f32, all: u32) -> u32 {
     whole_u32(f64::from(level) * f64::from(all))
@@ -140,7 +143,7 @@ impl<'w> Session<'w> {
             device.record();
         }
         let target = device.create_target(&TargetDescriptor {
-            label: "frame",
+            label: FRAME,
             width: options.size.width(),
             height: options.size.height(),
             samples: match options.samples {
@@ -400,22 +403,16 @@ impl<'w> Session<'w> {
     /// None on this session's own device.
     pub fn draw(&mut self, frame: u32, change: TreeChange) -> Result<Frame, RunError> {
         self.set_view(frame)?;
-        let pass = self.pass();
         let ground = self.ground.as_ref().map_or(0, Ground::triangle_count);
         let states = self.states();
-        let (mut trunk_triangles, mut leaves) = (0, 0);
+        let leaves = self.leaf_count();
+        let mut trunk_triangles = 0;
         for (tree, state) in self.world.trees.iter().zip(&states) {
-            let crown = &self.world.crowns[tree.crown];
             if let Some(trunk) = &self.world.trunks[tree.crown] {
                 trunk_triangles += u64::from(self.trunk.triangle_count(trunk, state.trunk));
             }
-            leaves += u64::from(state.foliage.leaf_count(crown.clusters()));
         }
-        let mut commands = Vec::new();
-        for resident in &self.residents {
-            resident.prepare(&mut commands);
-        }
-        commands.push(Command::Render(pass));
+        let commands = self.commands();
         self.device.queue().submit(&commands)?;
         let image = self.device.present(self.target)?;
         Ok(Frame {
@@ -433,6 +430,41 @@ impl<'w> Session<'w> {
             deferred: self.deferred.take(),
             popping: None,
         })
+    }
+
+    /// What drawing a frame as it is committed would count, but for samples, which nobody draws.
+    pub(super) fn tally(&mut self, frame: u32) -> Result<Ledger, RunError> {
+        self.set_view(frame)?;
+        let commands = self.commands();
+        self.device.queue().tally(&commands)?;
+        Ok(self.device.take_ledger())
+    }
+
+    /// Leaves that are shown as it is committed.
+    pub(super) fn leaf_count(&self) -> u64 {
+        let trees = self.world.trees.iter().zip(&self.residents);
+        let leaves = trees.map(|(tree, resident)| {
+            let clusters = self.world.crowns[tree.crown].clusters();
+            u64::from(resident.state().leaf_count(clusters))
+        });
+        leaves.sum()
+    }
+
+    /// Device memory in use, but for what frames are drawn into.
+    pub(super) fn resident_bytes(&self) -> u64 {
+        let labels = self.device.resident_by_label().into_iter();
+        let others = labels.filter(|(label, _)| label != FRAME);
+        others.map(|(_, bytes)| bytes).sum()
+    }
+
+    /// What draws all trees as they are committed.
+    fn commands(&self) -> Vec<Command> {
+        let mut commands = Vec::new();
+        for resident in &self.residents {
+            resident.prepare(&mut commands);
+        }
+        commands.push(Command::Render(self.pass()));
+        commands
     }
 
     /// The state of every tree as it is committed.

@@ -93,6 +93,24 @@ impl Variant {
         Self { format, ..self }
     }
 
+    /// How a session walks it; what the variant leaves open is as in `usual`.
+    pub(super) fn session(self, usual: &SessionOptions) -> SessionOptions {
+        let gather = match self.gathered {
+            true => Gather::Regions,
+            false => Gather::Single,
+        };
+        SessionOptions {
+            kind: self.kind,
+            trunk: self.trunk.unwrap_or(usual.trunk),
+            model: ModelOptions {
+                gather,
+                format: self.format,
+                ..usual.model
+            },
+            ..*usual
+        }
+    }
+
     /// What a label may end in, in this order, after the kind's.
     const ENDINGS: [&'static str; 3] = ["-u16", "-quantised", "-gathered"];
 
@@ -259,27 +277,35 @@ impl SweepModel {
     /// bytes and times. The view's uploads are left out.
     #[must_use]
     pub fn traffic_on(&self, link: Option<Link>, stream: Stream) -> Traffic {
-        let transfers = self.steps.iter().flat_map(|step| &step.ledger.transfers);
         let mut sum = Traffic::default();
-        for transfer in
-            transfers.filter(|transfer| transfer.stream == stream && transfer.cause.kind != "view")
-        {
-            let payload_bytes = transfer.payload_bytes;
-            let wire_bytes =
-                link.map_or(transfer.wire_bytes, |link| link.wire_bytes(payload_bytes));
-            let ticks = link.map_or(transfer.ticks, |link| match stream {
-                Stream::Upload | Stream::Fetch => link.ticks_down(payload_bytes),
-                Stream::Readback => link.ticks_up(payload_bytes),
-            });
-            sum.add(&Traffic {
-                transfers: 1,
-                payload_bytes,
-                wire_bytes,
-                ticks,
-            });
+        for step in &self.steps {
+            sum.add(&traffic_on(&step.ledger, link, stream));
         }
         sum
     }
+}
+
+/// The traffic of one stream but for the view's, on the link that modelled it or on another.
+pub(super) fn traffic_on(ledger: &Ledger, link: Option<Link>, stream: Stream) -> Traffic {
+    let transfers = ledger.transfers.iter();
+    let mut sum = Traffic::default();
+    for transfer in
+        transfers.filter(|transfer| transfer.stream == stream && transfer.cause.kind != "view")
+    {
+        let payload_bytes = transfer.payload_bytes;
+        let wire_bytes = link.map_or(transfer.wire_bytes, |link| link.wire_bytes(payload_bytes));
+        let ticks = link.map_or(transfer.ticks, |link| match stream {
+            Stream::Upload | Stream::Fetch => link.ticks_down(payload_bytes),
+            Stream::Readback => link.ticks_up(payload_bytes),
+        });
+        sum.add(&Traffic {
+            transfers: 1,
+            payload_bytes,
+            wire_bytes,
+            ticks,
+        });
+    }
+    sum
 }
 
 /// Walks every model along the axis of detail, seen from the camera of frame 0. Step `i` of `N` stands at
@@ -320,26 +346,8 @@ fn walk(
     measures: &[(f64, u64)],
     progress: &dyn Progress,
 ) -> Result<SweepModel, RunError> {
-    let gather = if variant.gathered {
-        Gather::Regions
-    } else {
-        Gather::Single
-    };
-    let session_options = SessionOptions {
-        kind: variant.kind,
-        trunk: variant.trunk.unwrap_or(options.session.trunk),
-        model: ModelOptions {
-            gather,
-            format: variant.format,
-            ..options.session.model
-        },
-        ..options.session
-    };
-    // The walk begins at full detail, whatever the distance.
-    let mut finest = scene.clone();
-    finest.model.level = Some(0.0);
-    finest.model.budget_bytes = None;
-    finest.model.trunk_level = Some(0.0);
+    let session_options = variant.session(&options.session);
+    let finest = finest(scene);
     let mut session = Session::new(&finest, world, &session_options)?;
     let initial = session.initial().clone();
     let resident = session.device().resident_by_label();
@@ -382,7 +390,15 @@ fn walk(
     })
 }
 
-/// The states of all trees at a step.
+/// The scene as a walk begins: at full detail, whatever the distance.
+pub(super) fn finest(scene: &Scene) -> Scene {
+    let mut finest = scene.clone();
+    finest.model.level = Some(0.0);
+    finest.model.budget_bytes = None;
+    finest.model.trunk_level = Some(0.0);
+    finest
+}
+
 /// What a model's trees show at a step of so many, seen from the camera of frame 0.
 pub(super) fn states_at(
     scene: &Scene,

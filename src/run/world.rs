@@ -52,6 +52,22 @@ impl World {
         }
     }
 
+    /// One of the plants alone, where its first tree stands.
+    pub(super) fn plant_alone(&self, number: usize) -> Self {
+        let mut trees = self.trees.iter().filter(|tree| tree.crown == number);
+        let placement = trees.next().map(|tree| tree.placement);
+        Self {
+            crowns: vec![Arc::clone(&self.crowns[number])],
+            trunks: vec![self.trunks[number].clone()],
+            trees: vec![StandingTree {
+                crown: 0,
+                placement: placement.unwrap_or(Placement::IDENTITY),
+            }],
+            ground: None,
+            remarks: Vec::new(),
+        }
+    }
+
     /// Grows or imports every plant of a scene once and simplifies its foliage.
     ///
     /// `folder` is where the scene's paths start.

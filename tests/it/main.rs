@@ -1,6 +1,7 @@
 //! Tests of the library through its public face.
 
 mod bus_bytes;
+mod bytes;
 mod cli;
 mod closed_form;
 mod determinism;
