@@ -133,3 +133,36 @@ fn what_does_not_belong_together_is_refused() {
     assert!(said.contains("shard.jsonl:3: more lines"), "{said}");
     assert!(!folder.join("joined").exists());
 }
+
+#[test]
+fn files_that_are_missing_from_a_shard_are_a_fault_of_the_input() {
+    let folder = folder();
+    let folder = folder.path();
+    let run = "run scene.toml --frames 0..2 --layers";
+    for shard in 0..2 {
+        done(folder, &format!("{run} -o s{shard} --shard {shard}/2"));
+    }
+    let refused_for = |name: &str| {
+        let said = refused(folder, "merge s0 s1 -o joined");
+        let place = Path::new(name).display().to_string();
+        assert!(
+            said.contains(&place) && said.contains("cannot read"),
+            "{said}"
+        );
+        assert!(!folder.join("joined").exists());
+    };
+    // The layers of a frame, then not even a file of that name.
+    let layers = folder.join("s1/frame-0001.exr");
+    let bytes = std::fs::read(&layers).expect("layers");
+    std::fs::remove_file(&layers).expect("writable");
+    refused_for("s1/frame-0001.exr");
+    std::fs::create_dir(&layers).expect("writable");
+    refused_for("s1/frame-0001.exr");
+    std::fs::remove_dir(&layers).expect("writable");
+    std::fs::write(&layers, bytes).expect("writable");
+    done(folder, "merge s0 s1 -o whole");
+    // What cannot be written is the other fault.
+    std::fs::write(folder.join("file"), "").expect("writable");
+    let output = spinney(folder, "merge s0 s1 -o file/joined");
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+}
