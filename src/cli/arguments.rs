@@ -141,6 +141,10 @@ pub(super) struct RunOptions {
     /// the view nor what is there before the first frame counts
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=DEVICE_BYTES))]
     pub(super) budget_bytes: Option<u64>,
+    /// By which share of the range of distances, 0 to 0.5, detail must be off before it changes, in place
+    /// of the scene's
+    #[arg(long, value_name = "X", value_parser = hysteresis)]
+    pub(super) hysteresis: Option<f32>,
     /// Also tell which pixels switches of detail alone change; draws each frame thrice
     #[arg(long)]
     pub(super) popping: bool,
@@ -353,6 +357,13 @@ fn frames(text: &str) -> Result<Range<u32>, String> {
     }
 }
 
+fn hysteresis(text: &str) -> Result<f32, String> {
+    // As the key of scenes.
+    let found = text.parse().ok();
+    let found = found.filter(|share| (0.0..=0.5).contains(share));
+    found.ok_or_else(|| "wanted a number from 0 to 0.5".to_owned())
+}
+
 fn shard(text: &str) -> Result<Shard, String> {
     let wrong = || "wanted index/count, such as 0/4, with the index below the count".to_owned();
     let (index, count) = text.split_once('/').ok_or_else(wrong)?;
@@ -386,6 +397,12 @@ mod tests {
         assert!(frames("5..5").is_err() && frames("5").is_err());
         assert_eq!(shard("1/4"), Ok(Shard { index: 1, count: 4 }));
         assert!(shard("4/4").is_err() && shard("0/0").is_err());
+        assert_eq!(hysteresis("0.05"), Ok(0.05));
+        assert!(
+            ["0.6", "-1", "NaN", "x"]
+                .into_iter()
+                .all(|text| hysteresis(text).is_err())
+        );
         assert!(link("isa").is_err());
     }
 }

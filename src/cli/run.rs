@@ -36,6 +36,9 @@ pub(super) fn run(
     if options.budget_bytes.is_some() {
         prepared.scene.model.budget_bytes = options.budget_bytes;
     }
+    if let Some(hysteresis) = options.hysteresis {
+        prepared.scene.model.hysteresis = hysteresis;
+    }
     let (scene, world) = (&prepared.scene, &prepared.world);
     let mut session = Session::new(scene, world, &prepared.options)?;
     let target = folder(shared, &scene.name);
