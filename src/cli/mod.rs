@@ -9,6 +9,7 @@
 //! | 4 | cannot write |
 
 mod arguments;
+mod bytes;
 mod cache;
 mod check_trace;
 mod diff;

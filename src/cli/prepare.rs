@@ -6,9 +6,10 @@ use super::arguments::{CounterChoice, Drawing, Shared};
 use super::cache::store;
 use super::error::CliError;
 use super::terminal::Terminal;
+use crate::plant::Species;
 use crate::raster::{Counters, Options, TileSize};
-use crate::run::{Progress, RunError, SessionOptions, World};
-use crate::scene::{ImageSize, SampleCount, Scene, SceneFile, SceneSource};
+use crate::run::{Progress, RunError, SessionOptions, StandingTree, World};
+use crate::scene::{ImageSize, PlantSource, SampleCount, Scene, SceneFile, SceneSource};
 
 /// A scene with the flags' overrides, and its plants.
 #[derive(Debug)]
@@ -61,6 +62,24 @@ impl Prepared {
             world,
             options,
         })
+    }
+}
+
+impl Prepared {
+    /// The botanical name of a plant that was grown, which the papers' tables list, else its own; of a
+    /// scene at `path`.
+    pub(super) fn plant_name(&self, number: usize, path: &Path) -> String {
+        let is_one = |tree: &StandingTree| tree.crown == number;
+        let tree = self.world.trees.iter().position(is_one);
+        let latin = || {
+            let trees = self.scene.standing_trees();
+            let PlantSource::Species(species) = &trees.get(tree?)?.source else {
+                return None;
+            };
+            let species = Species::read(&path.parent()?.join(species)).ok()?;
+            Some(species.latin)
+        };
+        latin().unwrap_or_else(|| self.world.crowns[number].plant().name().to_owned())
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::arguments::{Shared, SweepOptions};
+use super::bytes;
 use super::error::CliError;
 use super::prepare::Prepared;
 use super::run::folder;
@@ -22,6 +23,9 @@ pub(super) fn sweep(
     terminal: &Terminal,
 ) -> Result<(), CliError> {
     let variants = variants(&options.models)?;
+    if options.bytes {
+        return bytes::bytes(options, variants, shared, terminal);
+    }
     let progress = terminal.progress();
     let prepared = Prepared::new(
         &options.scene,

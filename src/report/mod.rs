@@ -7,14 +7,15 @@
 //!            text, CSV      └─────────────────────┘
 //! ```
 //!
-//! Of these pieces [`RunFolder`] makes what `run` leaves, [`write_sweep`] what `sweep` leaves, and
-//! [`storage_report`] what `storage` prints. [`QualityMeter`] judges pictures of levels.
+//! Of these pieces [`RunFolder`] makes what `run` leaves, [`write_sweep`] and [`write_bytes`] what `sweep`
+//! leaves, and [`storage_report`] what `storage` prints. [`QualityMeter`] judges pictures of levels.
 //!
 //! **Invariant.** The bytes of a report are a function of what is reported: nothing in them names
 //! a host, path, clock, thread or the order in which things were done. A folder is there whole or
 //! not at all, and nothing is replaced that spinney did not write.
 
 mod axis;
+mod bytes;
 mod channels;
 mod diff;
 mod file;
@@ -26,6 +27,7 @@ mod number;
 mod plot;
 mod quality;
 mod run;
+mod scatter;
 mod shard;
 mod staging;
 mod storage;
@@ -34,6 +36,10 @@ mod table;
 mod thumbnail;
 
 pub use axis::{Axis, Scale};
+pub use bytes::{
+    BYTES_SCHEMA, ByteReport, bytes_csv, bytes_json, bytes_markdown, bytes_page, bytes_plots,
+    bytes_text, write_bytes,
+};
 pub use channels::{Channel, ImageFile, SampleKind};
 pub use diff::{
     ChannelDifference, ChannelDifferences, DIFF_SCHEMA, DiffFolder, Difference, FieldDifference,

@@ -100,8 +100,7 @@ impl Plot {
         let mut svg = String::new();
         let (mut left, mut lines) = (LEFT, 1.0);
         for (index, series) in self.series.iter().enumerate() {
-            // A letter of the 12-pixel font takes 7 pixels at most, nearly always.
-            let width = 32.0 + 7.0 * series.name.chars().count() as f64 + 16.0;
+            let width = 32.0 + letters_width(&series.name) + 16.0;
             if left > LEFT && left + width > WIDTH {
                 left = LEFT;
                 lines += 1.0;
@@ -126,14 +125,14 @@ struct Legend {
 }
 
 /// The rectangle that lines are drawn in, in pixels.
-struct Frame {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
+pub(super) struct Frame {
+    pub(super) left: f64,
+    pub(super) right: f64,
+    pub(super) top: f64,
+    pub(super) bottom: f64,
 }
 
-const WIDTH: f64 = 640.0;
+pub(super) const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 400.0;
 const LEFT: f64 = 68.0;
 const RIGHT: f64 = 20.0;
@@ -146,7 +145,7 @@ const COLUMNS: usize = 552;
 
 /// The colours of lines, on light and on dark ground: of like strength, and told apart by people
 /// who do not see red or green.
-const COLORS: [(&str, &str); 6] = [
+pub(super) const COLORS: [(&str, &str); 6] = [
     ("#0068a8", "#5ab4f0"),
     ("#c85200", "#ff9a4d"),
     ("#00805c", "#3ecfa3"),
@@ -158,7 +157,7 @@ const COLORS: [(&str, &str); 6] = [
 /// Dashes, for the lines after the first six: colours begin again with the next.
 const DASHES: [&str; 4] = ["", "7 4", "2 3", "10 3 2 3"];
 
-fn style() -> String {
+pub(super) fn style() -> String {
     let colors = |dark: bool| -> String {
         let of = |(index, (light, night)): (usize, &(&str, &str))| {
             let color = if dark { night } else { light };
@@ -188,7 +187,7 @@ fn look(index: usize) -> (String, String) {
     }
 }
 
-fn grid(frame: &Frame, x: &AxisRange, y: &AxisRange) -> String {
+pub(super) fn grid(frame: &Frame, x: &AxisRange, y: &AxisRange) -> String {
     let Frame {
         left,
         right,
@@ -196,10 +195,16 @@ fn grid(frame: &Frame, x: &AxisRange, y: &AxisRange) -> String {
         bottom,
     } = *frame;
     let mut svg = String::new();
+    let mut free = f64::NEG_INFINITY;
     for (share, label) in x.ticks() {
         let at = left + share * (right - left);
         svg += &format!("<path class=\"grid\" d=\"M{at:.1} {top:.1}V{bottom:.1}\"/>\n");
-        svg += &text(at, bottom + 17.0, "middle", "", &label);
+        // Where ticks are dense, not all have room for what they say.
+        let half = 0.5 * letters_width(&label);
+        if at - half >= free {
+            svg += &text(at, bottom + 17.0, "middle", "", &label);
+            free = at + half + 6.0;
+        }
     }
     for (share, label) in y.ticks() {
         let at = bottom - share * (bottom - top);
@@ -209,12 +214,17 @@ fn grid(frame: &Frame, x: &AxisRange, y: &AxisRange) -> String {
     svg + &format!("<path class=\"axis\" d=\"M{left:.1} {top:.1}V{bottom:.1}H{right:.1}\"/>\n")
 }
 
-fn text(x: f64, y: f64, anchor: &str, attributes: &str, text: &str) -> String {
+pub(super) fn text(x: f64, y: f64, anchor: &str, attributes: &str, text: &str) -> String {
     let text = escape(text);
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\"{attributes}>{text}</text>\n")
 }
 
-fn middle(from: f64, to: f64) -> f64 {
+/// A letter of the 12-pixel font takes 7 pixels at most, nearly always.
+pub(super) fn letters_width(text: &str) -> f64 {
+    7.0 * text.chars().count() as f64
+}
+
+pub(super) fn middle(from: f64, to: f64) -> f64 {
     0.5 * (from + to)
 }
 

@@ -121,6 +121,35 @@ impl Table {
         }
     }
 
+    /// The table as texts for a terminal of so many columns, each with the first column and as many
+    /// others as fit beside its whole words.
+    #[must_use]
+    pub fn to_parts(&self, width: usize) -> Vec<String> {
+        let mut parts = Vec::new();
+        let mut next = 1;
+        while next < self.columns.len() {
+            let fits = |end: &usize| {
+                let text = self.part(next, *end).to_text(usize::MAX);
+                text.lines().all(|line| text_width(line) <= width)
+            };
+            let mut ends = (next + 1..=self.columns.len()).rev();
+            let end = ends.find(fits).unwrap_or(next + 1);
+            parts.push(self.part(next, end).to_text(width));
+            next = end;
+        }
+        parts
+    }
+
+    /// The first column and some others.
+    fn part(&self, from: usize, to: usize) -> Self {
+        let kept = || std::iter::once(0).chain(from..to);
+        let row = |row: &Vec<Cell>| kept().filter_map(|index| row.get(index).cloned()).collect();
+        Self {
+            columns: kept().map(|index| self.columns[index].clone()).collect(),
+            rows: self.rows.iter().map(row).collect(),
+        }
+    }
+
     /// The table as CSV ([RFC 4180](https://www.rfc-editor.org/rfc/rfc4180)), headings first.
     #[must_use]
     pub fn to_csv(&self) -> String {
@@ -344,6 +373,19 @@ time, ms: –
         assert_eq!(example().to_text(20), wanted);
         assert_eq!(example().to_text(0), wanted);
         assert_eq!(Table::default().to_text(0), "\n\n");
+    }
+
+    #[test]
+    fn parts_repeat_the_first_column() {
+        let parts = example().to_parts(36);
+        let headings = |part: &String| part.lines().next().map(str::to_owned);
+        let found: Vec<_> = parts.iter().map(headings).collect();
+        let wanted = [
+            "cause                   payload, B",
+            "cause                   time, ms",
+        ];
+        assert_eq!(found, wanted.map(|line| Some(line.to_owned())));
+        assert_eq!(example().to_parts(44), [example().to_text(44)]);
     }
 
     #[test]

@@ -150,16 +150,8 @@ impl Variant {
             base = stripped.unwrap_or(base);
             stripped.is_some()
         });
-        let kind = Kind::labelled(base)?;
-        // Only slots, stamps, dictated states and trunks on the device ever send several ranges that
-        // could be gathered, and only what has records can have compact ones.
-        let trunk_gathers =
-            |trunk: TrunkKind| trunk.has_levels() && trunk.mode == crate::scene::TrunkMode::Device;
-        let gathers = matches!(kind, Kind::LodfSlots | Kind::LodfStamps | Kind::LodfDevice)
-            || trunk.is_some_and(trunk_gathers);
-        let sound = (gathers || !gathered) && (kind != Kind::Full || !compact);
-        sound.then_some(Self {
-            kind,
+        let variant = Self {
+            kind: Kind::labelled(base)?,
             gathered,
             format: LeafFormat {
                 records: if compact {
@@ -174,7 +166,20 @@ impl Variant {
                 },
             },
             trunk,
-        })
+        };
+        variant.is_sound().then_some(variant)
+    }
+
+    /// Whether its choices mean something: only slots, stamps, dictated states and trunks on the device
+    /// ever send several ranges that could be gathered, and only what has records can have compact ones.
+    #[must_use]
+    pub fn is_sound(self) -> bool {
+        let trunk_gathers =
+            |trunk: TrunkKind| trunk.has_levels() && trunk.mode == crate::scene::TrunkMode::Device;
+        let kinds = [Kind::LodfSlots, Kind::LodfStamps, Kind::LodfDevice];
+        let gathers = kinds.contains(&self.kind) || self.trunk.is_some_and(trunk_gathers);
+        let has_records = self.kind != Kind::Full;
+        (gathers || !self.gathered) && (has_records || self.format.records == Records::Wide)
     }
 }
 

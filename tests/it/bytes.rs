@@ -1,5 +1,7 @@
 //! Bytes that are counted without pictures are those that pictures cost.
 
+use std::process::Command;
+
 use spinney::gpu::{Link, Stream};
 use spinney::run::{
     ByteOptions, SessionOptions, Shard, Silent, StepTraffic, SweepOptions, Variant, bytes, sweep,
@@ -73,5 +75,24 @@ fn a_plant_alone_costs_what_a_walk_with_pictures_counts() {
         let first = with_pictures.initial.upload.payload_bytes;
         assert_eq!(plain.initial[0].payload_bytes, first, "{label}");
         assert!(plain.initial[0].ticks != plain.initial[1].ticks, "{label}");
+    }
+}
+
+#[test]
+fn drawing_makes_no_sense_where_nothing_is_drawn() {
+    for flag in [
+        "--quality",
+        "--size 9x9",
+        "--samples 4",
+        "--frames 0..1",
+        "--shard 0/2",
+    ] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_spinney"));
+        let flags = flag.split(' ');
+        program.args(["sweep", "scene.toml", "--bytes"]).args(flags);
+        let output = program.output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(2), "{flag}");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains("cannot be used with"), "{said}");
     }
 }

@@ -2,15 +2,12 @@
 
 mod published;
 
-use std::path::Path;
-
 use super::arguments::{Shared, StorageOptions};
 use super::error::CliError;
 use super::prepare::Prepared;
 use super::terminal::Terminal;
 use crate::raster::Counters;
 use crate::report::{self, PrintedSize, is_paper_tree, storage_report};
-use crate::scene::PlantSource;
 use crate::simplify::{Accounting, CollapseSequence, PUBLISHED_ROWS, PublishedCell, StorageCounts};
 
 pub(super) fn storage(
@@ -28,19 +25,9 @@ pub(super) fn storage(
         &progress,
     )?;
     drop(progress);
-    let trees = prepared.scene.standing_trees();
     let mut reports = Vec::new();
     for (number, crown) in prepared.world.crowns.iter().enumerate() {
-        let tree = prepared
-            .world
-            .trees
-            .iter()
-            .position(|tree| tree.crown == number);
-        let source = tree
-            .and_then(|tree| trees.get(tree))
-            .map(|tree| &tree.source);
-        let name = latin(options.scene.parent(), source)
-            .unwrap_or_else(|| crown.plant().name().to_owned());
+        let name = prepared.plant_name(number, &options.scene);
         let accountings = accountings(&name, crown.sequence());
         reports.push(storage_report(
             &name,
@@ -85,13 +72,4 @@ fn accountings(name: &str, sequence: &CollapseSequence) -> Vec<report::Accountin
             printed: printed(accounting),
         })
         .collect()
-}
-
-/// The botanical name of a grown tree: what the papers' tables list.
-fn latin(folder: Option<&Path>, source: Option<&PlantSource>) -> Option<String> {
-    let Some(PlantSource::Species(path)) = source else {
-        return None;
-    };
-    let species = crate::plant::Species::read(&folder?.join(path)).ok()?;
-    Some(species.latin)
 }

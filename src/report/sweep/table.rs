@@ -81,46 +81,18 @@ fn cells(model: &SweepModel) -> Vec<Cell> {
 /// notes; then what levels do to the picture, if that was asked.
 #[must_use]
 pub fn sweep_text(sweep: &Sweep, quality: Option<&SweepQuality>, width: usize) -> String {
-    let mut texts = parts(&sweep_table(sweep), width);
+    let mut texts = sweep_table(sweep).to_parts(width);
     texts.push(lines(sweep_notes(sweep), ""));
     if let Some(quality) = quality {
-        texts.extend(parts(&quality_table(quality, TEXT_LEVELS), width));
+        texts.extend(quality_table(quality, TEXT_LEVELS).to_parts(width));
         texts.push(lines(quality_notes(sweep, quality), ""));
     }
     texts.join("\n")
 }
 
-/// A table as texts that are not wider, each with the first column.
-fn parts(table: &Table, width: usize) -> Vec<String> {
-    let mut parts = Vec::new();
-    let mut next = 1;
-    while next < table.columns.len() {
-        // As many columns as fit side by side with the model's whole name.
-        let fits = |end: &usize| {
-            let text = part(table, next, *end).to_text(usize::MAX);
-            text.lines().all(|line| line.chars().count() <= width)
-        };
-        let mut ends = (next + 1..=table.columns.len()).rev();
-        let end = ends.find(fits).unwrap_or(next + 1);
-        parts.push(part(table, next, end).to_text(width));
-        next = end;
-    }
-    parts
-}
-
 fn lines(notes: Vec<String>, mark: &str) -> String {
     let notes = notes.into_iter();
     notes.map(|note| format!("{mark}{note}\n")).collect()
-}
-
-/// The first column and some others.
-fn part(table: &Table, from: usize, to: usize) -> Table {
-    let kept = || std::iter::once(0).chain(from..to);
-    let row = |row: &Vec<Cell>| kept().filter_map(|index| row.get(index).cloned()).collect();
-    Table {
-        columns: kept().map(|index| table.columns[index].clone()).collect(),
-        rows: table.rows.iter().map(row).collect(),
-    }
 }
 
 /// The table and the notes in Markdown; then what levels do to the picture, if that was asked.
