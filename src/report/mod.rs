@@ -60,9 +60,10 @@ pub use run::{
     LedgerHead, NO_NUMBER, OpsReader, PING_PONG_FRAMES, PathEntry, RunFolder, RunHeader, RunLedger,
     ShareEntry, TrafficEntry, WorkEntry, frame_layers, run_notes, run_table,
 };
+pub use scatter::{Panel, Point, Scatter, Thing};
 pub use shard::{Merged, RunShare, SHARD_SCHEMA, SweepShare, merge, write_sweep_shard};
 pub use storage::{
-    Accounting, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport,
+    Accounting, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport, TrunkStorage,
     is_paper_tree, storage_report,
 };
 pub use sweep::{

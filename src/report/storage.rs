@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::run::json;
 use super::{Cell, Column, Table, decimal, grouped, hundredths};
-use crate::models::{Crown, Kind, ModelOptions};
+use crate::models::{Crown, Kind, ModelOptions, Storage, Trunk, TrunkKind};
 
 /// The value of `schema` in the JSON of a storage report.
 pub const STORAGE_SCHEMA: &str = "spinney.storage/1";
@@ -26,8 +26,11 @@ pub struct StorageReport {
     pub counts: LeafCounts,
     /// By the papers' accounting.
     pub accountings: Vec<Accounting>,
-    /// What was built, model by model.
+    /// What was built of the foliage, model by model.
     pub models: Vec<ModelStorage>,
+    /// The trunk, if the plant has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trunk: Option<TrunkStorage>,
     /// Why figures differ.
     pub notes: Vec<String>,
 }
@@ -71,6 +74,19 @@ pub struct PrintedSize {
     pub erratum: Option<String>,
 }
 
+/// What it takes to keep a trunk.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TrunkStorage {
+    /// Its vertices.
+    pub vertices: u64,
+    /// Its triangles at full detail.
+    pub triangles: u64,
+    /// Collapses to the coarsest level.
+    pub collapses: u64,
+    /// What was built, model by model.
+    pub models: Vec<ModelStorage>,
+}
+
 /// What one model truly takes, in bytes, without textures and materials.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ModelStorage {
@@ -86,12 +102,24 @@ pub struct ModelStorage {
     pub instance_host_bytes: u64,
 }
 
+impl ModelStorage {
+    fn of(model: String, storage: Storage) -> Self {
+        Self {
+            model,
+            host_bytes: storage.host_bytes,
+            shared_bytes: storage.shared_bytes,
+            instance_bytes: storage.instance_bytes,
+            instance_host_bytes: storage.instance_host_bytes,
+        }
+    }
+}
+
 /// What it takes to keep a crown: the accountings as they are handed in, and what every model of it
 /// truly takes.
 #[must_use]
 pub fn storage_report(
     plant: &str,
-    crown: &Arc<Crown>,
+    (crown, trunk): (&Arc<Crown>, Option<&Arc<Trunk>>),
     options: ModelOptions,
     accountings: Vec<Accounting>,
 ) -> StorageReport {
@@ -103,16 +131,7 @@ pub fn storage_report(
         records: u64::from(sequence.record_count()),
         groups: u64::from(sequence.root_count()),
     };
-    let model = |kind: Kind| {
-        let storage = kind.model(crown, options).storage();
-        ModelStorage {
-            model: kind.label(),
-            host_bytes: storage.host_bytes,
-            shared_bytes: storage.shared_bytes,
-            instance_bytes: storage.instance_bytes,
-            instance_host_bytes: storage.instance_host_bytes,
-        }
-    };
+    let model = |kind: Kind| ModelStorage::of(kind.label(), kind.model(crown, options).storage());
     StorageReport {
         schema: STORAGE_SCHEMA,
         plant: plant.to_owned(),
@@ -120,6 +139,18 @@ pub fn storage_report(
         notes: notes(&counts, &accountings),
         accountings,
         models: Kind::ALL.into_iter().map(model).collect(),
+        trunk: trunk.map(|trunk| trunk_storage(trunk, options)),
+    }
+}
+
+fn trunk_storage(trunk: &Arc<Trunk>, options: ModelOptions) -> TrunkStorage {
+    let model =
+        |kind: TrunkKind| ModelStorage::of(kind.label(), kind.model(trunk, options).storage());
+    TrunkStorage {
+        vertices: trunk.mesh().positions.len() as u64,
+        triangles: u64::from(trunk.mesh().triangle_count()),
+        collapses: u64::from(trunk.collapses().collapse_count()),
+        models: TrunkKind::all().map(model).collect(),
     }
 }
 
@@ -169,40 +200,17 @@ impl StorageReport {
         }
     }
 
-    /// What was built as a table.
+    /// What was built of the foliage as a table.
     #[must_use]
     pub fn model_table(&self) -> Table {
-        let leaves = self.counts.leaves.max(1) as f64;
-        let row = |entry: &ModelStorage| {
-            let instance = entry.instance_bytes + entry.instance_host_bytes;
-            let all = entry.host_bytes + entry.shared_bytes + instance;
-            vec![
-                Cell::Text(entry.model.clone()),
-                Cell::Count(entry.host_bytes),
-                Cell::Count(entry.shared_bytes),
-                Cell::Count(entry.instance_bytes),
-                Cell::Count(entry.instance_host_bytes),
-                Cell::Number {
-                    value: all as f64 / leaves,
-                    digits: 2,
-                },
-            ]
-        };
-        let numbers = [
-            "host, B",
-            "shared, B",
-            "instance, B",
-            "on host, B",
-            "B/leaf",
-        ];
-        let columns = numbers.into_iter().map(Column::numbers);
-        Table {
-            columns: [Column::words("model")]
-                .into_iter()
-                .chain(columns)
-                .collect(),
-            rows: self.models.iter().map(row).collect(),
-        }
+        built_table(&self.models, self.counts.leaves, "B/leaf")
+    }
+
+    /// What was built of the trunk as a table, if there is one.
+    #[must_use]
+    pub fn trunk_table(&self) -> Option<Table> {
+        let trunk = self.trunk.as_ref()?;
+        Some(built_table(&trunk.models, trunk.triangles, "B/triangle"))
     }
 
     /// The report for a terminal of so many columns.
@@ -217,12 +225,23 @@ impl StorageReport {
         } = self.counts;
         let [vertices, leaves, collapses, records, groups] =
             [vertices, leaves, collapses, records, groups].map(|count| grouped(count, ","));
+        let trunk = match (&self.trunk, self.trunk_table()) {
+            (Some(trunk), Some(table)) => {
+                let counts = [trunk.triangles, trunk.vertices, trunk.collapses];
+                let [triangles, vertices, collapses] = counts.map(|count| grouped(count, ","));
+                let table = table.to_text(width);
+                format!(
+                    "Trunk: {triangles} triangles, {vertices} vertices, {collapses} collapses\n{table}\n"
+                )
+            }
+            _ => String::new(),
+        };
         let notes: String = self.notes.iter().map(|note| format!("{note}\n")).collect();
         format!(
             "{}: {leaves} leaves, {vertices} vertices, {collapses} collapses,\n\
              {records} leaves old and new, {groups} clusters\n\n\
              By the papers' accounting\n{}\n\
-             As built: host and shared once a species, instance and its part on the host once a tree\n{}\n{notes}",
+             As built: once a species, then once a tree, on the device and on the host\n{}\n{trunk}{notes}",
             self.plant,
             self.accounting_table().to_text(width),
             self.model_table().to_text(width)
@@ -233,6 +252,34 @@ impl StorageReport {
     #[must_use]
     pub fn to_json(&self) -> String {
         json(self) + "\n"
+    }
+}
+
+/// Models with what they take, all of it together for each of so many leaves or triangles.
+fn built_table(models: &[ModelStorage], pieces: u64, heading: &str) -> Table {
+    let row = |entry: &ModelStorage| {
+        let instance = entry.instance_bytes + entry.instance_host_bytes;
+        let all = entry.host_bytes + entry.shared_bytes + instance;
+        vec![
+            Cell::Text(entry.model.clone()),
+            Cell::Count(entry.shared_bytes),
+            Cell::Count(entry.host_bytes),
+            Cell::Count(entry.instance_bytes),
+            Cell::Count(entry.instance_host_bytes),
+            Cell::Number {
+                value: all as f64 / pieces.max(1) as f64,
+                digits: 2,
+            },
+        ]
+    };
+    let numbers = ["device, B", "host, B", "a tree, B", "on host, B", heading];
+    let columns = numbers.into_iter().map(Column::numbers);
+    Table {
+        columns: [Column::words("model")]
+            .into_iter()
+            .chain(columns)
+            .collect(),
+        rows: models.iter().map(row).collect(),
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) fn storage(
         let accountings = accountings(&name, crown.sequence());
         reports.push(storage_report(
             &name,
-            crown,
+            (crown, prepared.world.trunks[number].as_ref()),
             prepared.options.model,
             accountings,
         ));

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use spinney::gpu::{Card, Link};
-use spinney::models::Kind;
+use spinney::models::{Kind, TrunkKind};
 use spinney::report::{
     Accounting, OutputFolder, PrintedSize, QualityMeter, QualitySummary, StorageReport,
     SweepHeader, SweepQuality, SweepShare, ViewQuality, merge, quality_notes, storage_report,
@@ -14,7 +14,7 @@ use spinney::run::{
 };
 
 use super::{assert_self_contained, files, keys_in_order, options, read, scene, words, world};
-use crate::support::{OPTIONS, random_crown};
+use crate::support::{OPTIONS, random_crown, random_trunk};
 
 pub(super) fn sweep_header() -> SweepHeader {
     SweepHeader {
@@ -296,7 +296,9 @@ fn storage_stands_beside_the_papers_figures() {
             erratum: None,
         }],
     };
-    let report = storage_report("little yew", &crown, OPTIONS, vec![accounting]);
+    let trunk = random_trunk(5);
+    let subject = (&crown, Some(&trunk));
+    let report = storage_report("little yew", subject, OPTIONS, vec![accounting]);
     let StorageReport { counts, models, .. } = &report;
     assert_eq!(
         (counts.vertices, counts.records, counts.groups),
@@ -322,8 +324,23 @@ accounting  bytes  B/leaf    MiB  printed, MiB
 ──────────  ─────  ──────  ─────  ────────────
 original    1,920   64.00  0.002      2.94 (I)
 
-As built: host and shared once a species, instance and its part on the host once a tree
+As built: once a species, then once a tree, on the device and on the host
 ";
     let text = report.to_text(80);
     assert!(text.starts_with(wanted), "{text}");
+    let built = report.trunk.as_ref().expect("it has one");
+    assert_eq!(built.models.len(), TrunkKind::all().count());
+    for model in &built.models {
+        let kind = TrunkKind::labelled(&model.model).unwrap();
+        let host = kind.model(&trunk, OPTIONS).host_bytes();
+        assert_eq!(model.host_bytes, host.len() as u64, "{}", model.model);
+    }
+    let triangles = trunk.mesh().triangle_count();
+    assert_eq!(json["trunk"]["triangles"], triangles);
+    assert!(
+        text.contains(&format!("\nTrunk: {triangles} triangles, ")),
+        "{text}"
+    );
+    let without = storage_report("bush", (&crown, None), OPTIONS, Vec::new());
+    assert!(without.trunk.is_none() && !without.to_text(80).contains("Trunk"));
 }
