@@ -148,6 +148,10 @@ pub(super) struct RunOptions {
     /// Also tell which pixels switches of detail alone change; draws each frame thrice
     #[arg(long)]
     pub(super) popping: bool,
+    /// Also write what each frame draws, for other renderers, into a folder of its own: triangles and
+    /// textures as glTF, the camera as JSON
+    #[arg(long, value_name = "DIR")]
+    pub(super) export_frame: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

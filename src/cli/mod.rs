@@ -15,6 +15,7 @@ mod check_trace;
 mod diff;
 mod error;
 mod explain;
+mod frame_folder;
 mod golden;
 mod grow;
 mod inspect;

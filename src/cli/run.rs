@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::arguments::{Drawing, RunOptions, Shared};
 use super::error::CliError;
+use super::frame_folder::FrameFolder;
 use super::prepare::Prepared;
 use super::terminal::Terminal;
 use crate::gpu::Link;
@@ -42,6 +43,10 @@ pub(super) fn run(
     let (scene, world) = (&prepared.scene, &prepared.world);
     let mut session = Session::new(scene, world, &prepared.options)?;
     let target = folder(shared, &scene.name);
+    let mut export = match &options.export_frame {
+        None => None,
+        Some(folder) => Some(FrameFolder::create(folder, &target)?),
+    };
     let from = options.scene.parent().unwrap_or(Path::new(""));
     let (resolved, plants) = PlantFiles::gather(scene, from)?;
     let header = RunHeader {
@@ -85,6 +90,9 @@ pub(super) fn run(
                 let layers = frame_layers(&session, world, kind, model, &frame);
                 folder.add_layers(number, layers)?;
             }
+            if let Some(export) = &mut export {
+                export.add(scene, world, &prepared.options, &frame)?;
+            }
         } else {
             session.skip(number)?;
             if let Some(meter) = &mut meter {
@@ -96,6 +104,9 @@ pub(super) fn run(
     drop(progress);
     let path = folder.path();
     let rows = folder.finish()?;
+    if let Some(export) = export {
+        export.finish()?;
+    }
     let link = prepared.options.link;
     closing((&rows, path.as_ref()), link, &target, shared, terminal)
 }

@@ -48,6 +48,22 @@ pub struct LeafFormat {
     pub vertices: Vertices,
 }
 
+impl Vertices {
+    /// Where the vertices of a crown lie for programs that read them so.
+    #[must_use]
+    pub fn positions(self, crown: &Crown) -> Vec<Vec3> {
+        let all = crown.vertices().iter();
+        match self {
+            Self::Float => all.copied().collect(),
+            Self::Quantised => {
+                let grid = Grid::around(crown);
+                let steps = all.map(|vertex| grid.steps(*vertex));
+                steps.map(|[x, y, z, _]| grid.point([x, y, z])).collect()
+            }
+        }
+    }
+}
+
 impl LeafFormat {
     /// As in the papers.
     pub const WIDE: Self = Self {
@@ -246,7 +262,7 @@ impl LeafBytes {
                 .flat_map(f32::to_le_bytes)
                 .collect(),
             Vertices::Quantised => {
-                let grid = self.grid();
+                let grid = Grid::around(&self.crown);
                 let steps = sorted.iter().flat_map(|vertex| grid.steps(*vertex));
                 steps.flat_map(u16::to_le_bytes).collect()
             }
@@ -257,15 +273,7 @@ impl LeafBytes {
     pub(super) fn grid_step(&self) -> Vec3 {
         match self.format.vertices {
             Vertices::Float => Vec3::ZERO,
-            Vertices::Quantised => self.grid().step,
-        }
-    }
-
-    fn grid(&self) -> Grid {
-        let bounds = self.crown.bounds();
-        Grid {
-            origin: bounds.min,
-            step: bounds.size() / 65_535.0,
+            Vertices::Quantised => Grid::around(&self.crown).step,
         }
     }
 
@@ -278,7 +286,7 @@ impl LeafBytes {
             keys.push(("leaf numbers", numbers.collect()));
         }
         if self.format.vertices == Vertices::Quantised {
-            keys.push(("vertex grid", self.grid().to_bytes()));
+            keys.push(("vertex grid", Grid::around(&self.crown).to_bytes()));
         }
         keys
     }
@@ -302,6 +310,14 @@ struct Grid {
 }
 
 impl Grid {
+    fn around(crown: &Crown) -> Self {
+        let bounds = crown.bounds();
+        Self {
+            origin: bounds.min,
+            step: bounds.size() / 65_535.0,
+        }
+    }
+
     fn to_bytes(self) -> Vec<u8> {
         let floats = [self.origin.to_array(), self.step.to_array()];
         floats

@@ -11,6 +11,7 @@
 mod bytes;
 mod cache;
 mod crowns;
+mod export;
 mod frame;
 mod looks;
 mod mass;
@@ -29,6 +30,7 @@ mod world;
 pub use bytes::{ByteOptions, ModelBytes, PlantBytes, StepBytes, StepTraffic, bytes};
 pub use cache::{CacheLimit, ModelCache};
 pub use crowns::CrownStore;
+pub use export::{FrameExport, camera_json, export_frame};
 pub use frame::Frame;
 pub use looks::{Look, LookOptions, Subject, looked_at, looks};
 pub use mass::{Mass, mass};
@@ -46,7 +48,7 @@ use crate::document::DocumentError;
 use crate::gpu::GpuError;
 use crate::math::Digest;
 use crate::plant::GrowError;
-use crate::plant::gltf::ImportError;
+use crate::plant::gltf::{ExportError, ImportError};
 
 /// Why a run cannot be.
 #[derive(Debug, thiserror::Error)]
@@ -66,6 +68,9 @@ pub enum RunError {
     /// A plant file cannot be imported.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// A frame is too much for a file.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// The device refused something.
     #[error(transparent)]
     Gpu(#[from] GpuError),

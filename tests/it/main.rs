@@ -12,6 +12,7 @@ mod explain_trunks;
 mod forest;
 mod forest_faults;
 mod forest_laws;
+mod frame_export;
 mod gltf;
 mod golden;
 mod gpu;

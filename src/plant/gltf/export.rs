@@ -46,13 +46,7 @@ pub fn export_glb(plant: &Plant) -> Result<Vec<u8>, ExportError> {
     if expected > limits::PLANT_FILE_BYTES {
         return Err(too_large(expected));
     }
-    let mut writer = Writer {
-        root: Root::default(),
-        binary: Vec::new(),
-        hidden: Digester::new(SCHEMA),
-        nodes: Vec::new(),
-        textures: Vec::new(),
-    };
+    let mut writer = Writer::default();
     let record = Record {
         schema: SCHEMA.to_owned(),
         name: plant.name().to_owned(),
@@ -62,7 +56,7 @@ pub fn export_glb(plant: &Plant) -> Result<Vec<u8>, ExportError> {
         groups: groups.iter().map(|group| writer.group(group)).collect(),
         hidden: writer.hidden.finish().to_string(),
     };
-    let (root, binary) = writer.finish(record);
+    let (root, binary) = writer.finish(plant.name(), Some(record));
     let json = to_json(&root);
     let bytes = json.len() as u64 + binary.len() as u64 + 64;
     if bytes > limits::PLANT_FILE_BYTES {
@@ -83,12 +77,25 @@ fn least_bytes(plant: &Plant) -> u64 {
     trunk + groups.sum::<u64>()
 }
 
-struct Writer<'p> {
-    root: Root,
+/// A document and its binary chunk, part by part.
+pub(super) struct Writer<'p> {
+    pub(super) root: Root,
     binary: Vec<u8>,
     hidden: Digester,
     nodes: Vec<Index<gltf_json::Node>>,
     textures: Vec<(&'p Texture, Index<texture::Texture>)>,
+}
+
+impl Default for Writer<'_> {
+    fn default() -> Self {
+        Self {
+            root: Root::default(),
+            binary: Vec::new(),
+            hidden: Digester::new(SCHEMA),
+            nodes: Vec::new(),
+            textures: Vec::new(),
+        }
+    }
 }
 
 impl<'p> Writer<'p> {
@@ -263,9 +270,23 @@ impl<'p> Writer<'p> {
         Some(self.root.push(view))
     }
 
-    fn attribute(&mut self, numbers: impl Iterator<Item = f32>, kind: Type) -> Index<Accessor> {
+    pub(super) fn attribute(
+        &mut self,
+        numbers: impl Iterator<Item = f32>,
+        kind: Type,
+    ) -> Index<Accessor> {
         let bytes = numbers.flat_map(f32::to_le_bytes);
         let view = self.view(bytes, Some(Target::ArrayBuffer));
+        self.accessor(view, kind, ComponentType::F32)
+    }
+
+    /// Numbers of instances: no vertex buffer.
+    pub(super) fn instances(
+        &mut self,
+        numbers: impl Iterator<Item = f32>,
+        kind: Type,
+    ) -> Index<Accessor> {
+        let view = self.view(numbers.flat_map(f32::to_le_bytes), None);
         self.accessor(view, kind, ComponentType::F32)
     }
 
@@ -293,7 +314,7 @@ impl<'p> Writer<'p> {
         })
     }
 
-    fn positions(&mut self, positions: &[Vec3]) -> Index<Accessor> {
+    pub(super) fn positions(&mut self, positions: &[Vec3]) -> Index<Accessor> {
         let numbers = positions.iter().flat_map(|position| position.to_array());
         let index = self.attribute(numbers, Type::Vec3);
         let bounds = Aabb::of(positions.iter().copied());
@@ -303,20 +324,23 @@ impl<'p> Writer<'p> {
         index
     }
 
-    fn coordinates(&mut self, coordinates: &[Vec2]) -> Index<Accessor> {
+    pub(super) fn coordinates(&mut self, coordinates: &[Vec2]) -> Index<Accessor> {
         let numbers = coordinates
             .iter()
             .flat_map(|coordinate| coordinate.to_array());
         self.attribute(numbers, Type::Vec2)
     }
 
-    fn indices(&mut self, indices: impl Iterator<Item = u32>) -> Option<Index<Accessor>> {
+    pub(super) fn indices(
+        &mut self,
+        indices: impl Iterator<Item = u32>,
+    ) -> Option<Index<Accessor>> {
         let bytes = indices.flat_map(u32::to_le_bytes);
         let view = self.view(bytes, Some(Target::ElementArrayBuffer))?;
         Some(self.accessor(Some(view), Type::Scalar, ComponentType::U32))
     }
 
-    fn node(&mut self, name: &str, primitive: Primitive) -> usize {
+    pub(super) fn node(&mut self, name: &str, primitive: Primitive) -> usize {
         let mesh = self.root.push(gltf_json::Mesh {
             extensions: None,
             extras: None,
@@ -333,7 +357,7 @@ impl<'p> Writer<'p> {
         node.value()
     }
 
-    fn material(
+    pub(super) fn material(
         &mut self,
         material: &'p Material,
         alpha_mode: AlphaMode,
@@ -391,7 +415,8 @@ impl<'p> Writer<'p> {
         index
     }
 
-    fn finish(mut self, record: Record) -> (Root, Vec<u8>) {
+    /// The document, whose scene has that name, and its binary chunk; a record is kept in extras.
+    pub(super) fn finish(mut self, name: &str, record: Option<Record>) -> (Root, Vec<u8>) {
         if !self.binary.is_empty() {
             self.root.buffers.push(Buffer {
                 byte_length: USize64::from(self.binary.len()),
@@ -406,17 +431,16 @@ impl<'p> Writer<'p> {
             let scene = self.root.push(gltf_json::Scene {
                 extensions: None,
                 extras: None,
-                name: Some(record.name.clone()),
+                name: Some(name.to_owned()),
                 nodes: self.nodes,
             });
             self.root.scene = Some(scene);
         }
         self.root.asset.generator = Some(concat!("spinney ", env!("CARGO_PKG_VERSION")).to_owned());
-        let envelope = Envelope {
-            spinney: Some(record),
-        };
-        let extras = serde_json::value::to_raw_value(&envelope);
-        self.root.extras = Some(extras.expect("names, numbers and lists have a JSON form"));
+        if record.is_some() {
+            let extras = serde_json::value::to_raw_value(&Envelope { spinney: record });
+            self.root.extras = Some(extras.expect("names, numbers and lists have a JSON form"));
+        }
         (self.root, self.binary)
     }
 }
@@ -431,7 +455,7 @@ fn material_numbers(material: &Material) -> Vec<u32> {
     numbers.map(|number| number.to_bits()).collect()
 }
 
-fn primitive(
+pub(super) fn primitive(
     attributes: impl IntoIterator<Item = (Semantic, Index<Accessor>)>,
     indices: Option<Index<Accessor>>,
     material: Index<gltf_json::Material>,

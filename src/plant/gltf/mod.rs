@@ -9,6 +9,7 @@
 //!                                         Plant, exact               rest  ─▶ trunk mesh
 //!
 //!  Plant ─export_glb─▶ .glb: meshes that any viewer draws, and `extras.spinney` with the rest
+//!  meshes at their places ─export_instances─▶ .glb: what a frame draws, for other renderers
 //! ```
 //!
 //! glTF has +Y up and metres, as [`Plant`] has; only the placement of nodes is applied.
@@ -27,6 +28,7 @@ mod error;
 mod export;
 mod foliage;
 mod import;
+mod instances;
 mod material;
 mod native;
 mod placement;
@@ -45,6 +47,7 @@ mod tests;
 pub use error::{ExportError, ImportError};
 pub use export::export_glb;
 pub use import::{import, import_bytes};
+pub use instances::{InstancedMesh, MeshPlace, TextureRim, export_instances};
 pub use report::{ImportReport, ReportEntry, ReportKind};
 pub use sources::{PlantSources, read_sources};
 
