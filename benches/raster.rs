@@ -1,9 +1,10 @@
 //! Drawing.
 
 use criterion::Criterion;
-use spinney::models::TreeChange;
+use spinney::math::Vec3;
+use spinney::models::{Placement, TreeChange};
 use spinney::raster::{Counters, Options, TileSize};
-use spinney::run::{Session, SessionOptions};
+use spinney::run::{Session, SessionOptions, StandingTree, World};
 
 use crate::yew;
 
@@ -22,5 +23,31 @@ pub(crate) fn bench(criterion: &mut Criterion) {
             bencher.iter(|| session.draw(0, TreeChange::default()));
         });
     }
+    for trees in [1_u8, 10] {
+        let world = row(trees);
+        let raster = Options {
+            tile: TileSize::Side64,
+            counters: Counters::Visible,
+        };
+        let options = SessionOptions::of(&scene, raster).expect("known names");
+        let mut session = Session::new(&scene, &world, &options).expect("memory suffices");
+        group.bench_function(format!("yews_in_a_row_{trees}/1024x768"), |bencher| {
+            bencher.iter(|| session.draw(0, TreeChange::default()));
+        });
+    }
     group.finish();
+}
+
+/// Yews behind one another, 7 m apart: the first hides most of the others. How frames grow up to 10⁸
+/// triangles, and what a second thread does, is measured in `benches/peers`.
+fn row(trees: u8) -> World {
+    let crowns = yew::world().crowns;
+    let standing = (0..trees).map(|tree| StandingTree {
+        crown: 0,
+        placement: Placement {
+            position: Vec3::new(0.0, 0.0, -7.0 * f32::from(tree)),
+            ..Placement::IDENTITY
+        },
+    });
+    World::of(crowns, standing.collect())
 }

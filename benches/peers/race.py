@@ -2,7 +2,7 @@
 """Spinney beside other rasterizers in software: every scene, both sides in turn, one table at the end.
 
   race.py --peers FOLDER [--out FOLDER] [--only REGEX] [--pairs 5] [--threads 2] [--trilinear] [--no-setup]
-          [--fastest NAME]
+          [--fastest NAME] [--realtime]
 
 FOLDER holds scene.py, llvmpipe_foliage.py, wgpu_foliage.py and setup.sh; SPINNEY_PEERS may name it
 instead. README.md tells what is measured. Needs Linux, Python 3.9, cargo, and what setup.sh installs."""
@@ -38,7 +38,7 @@ SCENES = {
     "lines": (LINES, SLOW, 8),
 }
 # Scenes of spinney's own: exported by `spinney run --export-frame`.
-OWN = {}
+OWN = {"yew-1024": ("yew.toml", ["--frames", "15"], 8)}
 PEERS = {
     "llvmpipe": ("llvmpipe_foliage.py", []),
     "lavapipe": ("wgpu_foliage.py", ["--icd", LAVAPIPE]),
@@ -49,13 +49,19 @@ PEERS = {
 class Side:
     """Runs commands on as many processors as there are threads."""
 
-    def __init__(self, threads):
+    def __init__(self, threads, realtime):
         self.cpus = sorted(os.sched_getaffinity(0))[:threads]
+        self.realtime = realtime
         self.environment = {**os.environ, "LP_NUM_THREADS": str(threads), "RAYON_NUM_THREADS": str(threads)}
+
+    def settle(self):
+        os.sched_setaffinity(0, self.cpus)
+        if self.realtime:
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
 
     def run(self, command, what):
         done = subprocess.run([str(part) for part in command], env=self.environment, capture_output=True, text=True,
-                              preexec_fn=lambda: os.sched_setaffinity(0, self.cpus))
+                              preexec_fn=self.settle)
         if done.returncode:
             lines = done.stderr.strip().splitlines()
             raise RuntimeError(f"{what}: {lines[-1] if lines else 'no message'}")
@@ -76,7 +82,7 @@ class Race:
         self.options = options
         self.python = os.path.join(VENV, "bin", "python")
         self.peer = [self.python, os.path.join(HERE, "peer.py"), os.path.abspath(options.peers)]
-        self.side = Side(options.threads)
+        self.side = Side(options.threads, options.realtime)
         self.ours = os.path.join(cargo(os.path.join(HERE, "Cargo.toml")), "spinney-peers")
         self.spinney = None
         self.rows = []
@@ -195,6 +201,7 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--trilinear", action="store_true", help="leave the peers their two mip levels")
     parser.add_argument("--fastest", choices=list(PEERS), help="race this peer without trying the others")
+    parser.add_argument("--realtime", action="store_true", help="both sides before all other processes (as root), where others compute")
     parser.add_argument("--no-setup", action="store_true", help="do not call setup.sh")
     options = parser.parse_args()
     if not options.peers:

@@ -55,7 +55,8 @@ impl Program for MeshTriangles {
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
         let surface = bindings.storage(SURFACE_SLOT as usize);
         Box::new(MeshFragment {
-            texture: bindings.texture(0),
+            // The slot may still hold the texture of another batch.
+            texture: bindings.texture(0).filter(|_| self.textured),
             color: Vec4::from_array(surface.f32s(0)),
             cutoff: surface.f32(4),
             wrap: match surface.u32(5) {
