@@ -2,13 +2,14 @@
 //!
 //! A group owns a range of every slot that its program writes: `group_bytes` bytes at
 //! `number × group_bytes`, the last one cut at the buffer's end. It may read what it owns, and the
-//! whole of the slots that are only read; it never sees what other groups of the same dispatch
-//! write. So no two groups can write the same byte, and the result depends neither on their order
+//! whole of the slots that are only read, be they buffers or the depth of a target; it never sees
+//! what other groups of the same dispatch write. So no two groups can write the same byte, and the result depends neither on their order
 //! nor on the number of threads. Dispatches follow one another, each wholly after the one before.
 
 use super::program::{MAX_SLOTS, Words};
 use super::reads::ReadSet;
-use super::{BufferId, GpuError};
+use super::{BufferId, GpuError, Target};
+use crate::raster::Samples;
 
 /// A program that turns buffers into buffers, with a stable identity. Parameters are bytes in
 /// buffers.
@@ -39,6 +40,11 @@ pub struct ComputeLayout {
 pub enum Access {
     /// Every group may read all of it.
     Read,
+    /// The same of what earlier frames left, which may decide how a picture comes about and never what
+    /// it shows: whatever lies there, and so no [reads](super::ReadSet) are noted.
+    Recall,
+    /// Every group may read the depth of all pixels of a target.
+    Depth,
     /// Every group may read and write what it owns of it.
     Own {
         /// Bytes that a group owns: a multiple of 4, above 0.
@@ -56,8 +62,8 @@ impl ComputeLayout {
             wanted: wanted.to_owned(),
         };
         let owned = |access: &Access| match *access {
-            Access::Read => None,
             Access::Own { group_bytes } => Some(group_bytes),
+            Access::Read | Access::Recall | Access::Depth => None,
         };
         if self.slots.len() > MAX_SLOTS {
             let wanted = format!("at most {MAX_SLOTS}");
@@ -92,6 +98,8 @@ pub struct Group<'a> {
 pub(super) enum GroupSlot<'a> {
     /// All of a buffer.
     All(Words<'a>),
+    /// The depth of a target.
+    Depth(&'a Target),
     /// The bytes that the group owns, and where they begin in their buffer.
     Own {
         buffer: BufferId,
@@ -112,7 +120,7 @@ impl Group<'_> {
     #[must_use]
     pub fn len(&self, slot: usize) -> usize {
         match self.slots.get(slot) {
-            None => 0,
+            None | Some(GroupSlot::Depth(_)) => 0,
             Some(GroupSlot::All(words)) => words.len(),
             Some(GroupSlot::Own { bytes, .. }) => bytes.len() / 4,
         }
@@ -136,7 +144,7 @@ impl Group<'_> {
     pub fn u32s<const N: usize>(&mut self, slot: usize, index: usize) -> [u32; N] {
         self.bytes += 4 * N as u64;
         match self.slots.get(slot) {
-            None => [0; N],
+            None | Some(GroupSlot::Depth(_)) => [0; N],
             Some(GroupSlot::All(words)) => words.u32s(index),
             Some(GroupSlot::Own {
                 buffer,
@@ -159,6 +167,32 @@ impl Group<'_> {
     #[must_use]
     pub fn f32s<const N: usize>(&mut self, slot: usize, index: usize) -> [f32; N] {
         self.u32s(slot, index).map(f32::from_bits)
+    }
+
+    /// Columns and rows of the target whose depth a slot has; none of any other slot.
+    #[must_use]
+    pub fn size(&self, slot: usize) -> [u32; 2] {
+        match self.slots.get(slot) {
+            Some(GroupSlot::Depth(target)) => [target.width(), target.height()],
+            _ => [0; 2],
+        }
+    }
+
+    /// The greatest depth of the samples of a pixel, from 0 (near) to 1 (far): 4 bytes read a sample.
+    /// Beside the target it is 0.
+    #[must_use]
+    pub fn farthest_depth(&mut self, slot: usize, [x, y]: [u32; 2]) -> f32 {
+        let Some(GroupSlot::Depth(target)) = self.slots.get(slot) else {
+            return 0.0;
+        };
+        if x >= target.width() || y >= target.height() {
+            return 0.0;
+        }
+        self.bytes += match target.samples() {
+            Samples::One => 4,
+            Samples::Four => 16,
+        };
+        target.farthest_depth(x, y)
     }
 
     /// Writes a word that the group owns, counted from the first; anything else is dropped.

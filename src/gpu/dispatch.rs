@@ -10,7 +10,7 @@ use super::compute::{Access, ComputeProgram, Group, GroupSlot};
 use super::ledger::ComputeCounts;
 use super::pass::{BIND_BYTES, ComputePass, ComputeStep, DISPATCH_BYTES};
 use super::program::{MAX_SLOTS, Words};
-use super::{BufferId, Device, GpuError, Ledger, Usage};
+use super::{BufferId, Device, GpuError, Ledger, TargetId, Usage};
 use crate::math::index_usize;
 use crate::raster::Counters;
 
@@ -45,16 +45,32 @@ pub(super) fn compute(device: &mut Device, pass: &ComputePass) -> Result<(), Gpu
 /// A dispatch with every argument checked.
 struct Dispatch {
     program: Arc<dyn ComputeProgram>,
-    /// A buffer for each of the program's slots.
-    storage: Vec<BufferId>,
+    /// What each of the program's slots has.
+    bound: Vec<Bound>,
     groups: u32,
+}
+
+/// What is bound to a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Bound {
+    Buffer(BufferId),
+    Depth(TargetId),
+}
+
+impl Bound {
+    fn buffer(self) -> Option<BufferId> {
+        match self {
+            Self::Buffer(id) => Some(id),
+            Self::Depth(_) => None,
+        }
+    }
 }
 
 fn plan(device: &Device, pass: &ComputePass) -> Result<(Vec<Dispatch>, u64), GpuError> {
     let mut dispatches = Vec::new();
     let mut command_bytes = 0;
     let mut program: Option<Arc<dyn ComputeProgram>> = None;
-    let mut storage = [None; MAX_SLOTS];
+    let mut bound = [None; MAX_SLOTS];
     for step in &pass.steps {
         match *step {
             ComputeStep::Program(id) => {
@@ -68,11 +84,12 @@ fn plan(device: &Device, pass: &ComputePass) -> Result<(Vec<Dispatch>, u64), Gpu
             ComputeStep::Storage { slot, buffer } => {
                 command_bytes += BIND_BYTES;
                 device.buffer(buffer)?.check_on_device("a storage buffer")?;
-                let place = storage.get_mut(slot as usize);
-                *place.ok_or(GpuError::Unknown {
-                    what: "binding slot",
-                    index: slot,
-                })? = Some(buffer);
+                *place_mut(&mut bound, slot)? = Some(Bound::Buffer(buffer));
+            }
+            ComputeStep::Depth { slot, target } => {
+                command_bytes += BIND_BYTES;
+                device.target(target)?;
+                *place_mut(&mut bound, slot)? = Some(Bound::Depth(target));
             }
             ComputeStep::Dispatch { groups } => {
                 command_bytes += DISPATCH_BYTES;
@@ -81,36 +98,55 @@ fn plan(device: &Device, pass: &ComputePass) -> Result<(Vec<Dispatch>, u64), Gpu
                     what: "compute program",
                     slot: 0,
                 })?;
-                dispatches.push(plan_dispatch(device, program, &storage, groups)?);
+                dispatches.push(plan_dispatch(device, program, &bound, groups)?);
             }
         }
     }
     Ok((dispatches, command_bytes))
 }
 
+fn place_mut(
+    places: &mut [Option<Bound>; MAX_SLOTS],
+    slot: u32,
+) -> Result<&mut Option<Bound>, GpuError> {
+    places.get_mut(slot as usize).ok_or(GpuError::Unknown {
+        what: "binding slot",
+        index: slot,
+    })
+}
+
 fn plan_dispatch(
     device: &Device,
     program: Arc<dyn ComputeProgram>,
-    bound: &[Option<BufferId>; MAX_SLOTS],
+    places: &[Option<Bound>; MAX_SLOTS],
     groups: u32,
 ) -> Result<Dispatch, GpuError> {
     let layout = program.layout();
-    let mut storage = Vec::with_capacity(layout.slots.len());
-    for (slot, id) in (0..).zip(&bound[..layout.slots.len()]) {
-        let id = id.ok_or_else(|| GpuError::Unbound {
+    let mut bound = Vec::with_capacity(layout.slots.len());
+    for (slot, (access, place)) in (0..).zip(layout.slots.iter().zip(places)) {
+        let (what, fits) = match (access, place) {
+            (Access::Depth, place) => ("depth", place.filter(|place| place.buffer().is_none())),
+            (_, place) => (
+                "storage buffer",
+                place.filter(|place| place.buffer().is_some()),
+            ),
+        };
+        let place = fits.ok_or_else(|| GpuError::Unbound {
             program: layout.name.to_owned(),
-            what: "storage buffer",
+            what,
             slot,
         })?;
-        device.buffer(id)?.check_usage(Usage::STORAGE)?;
-        storage.push(id);
+        if let Bound::Buffer(id) = place {
+            device.buffer(id)?.check_usage(Usage::STORAGE)?;
+        }
+        bound.push(place);
     }
-    for (access, &id) in layout.slots.iter().zip(&storage) {
-        let Access::Own { group_bytes } = *access else {
+    for (access, &place) in layout.slots.iter().zip(&bound) {
+        let (Access::Own { group_bytes }, Bound::Buffer(id)) = (*access, place) else {
             continue;
         };
         let slot = device.buffer(id)?;
-        if storage.iter().filter(|other| **other == id).count() > 1 {
+        if bound.iter().filter(|other| **other == place).count() > 1 {
             return Err(GpuError::Usage {
                 label: slot.label.clone(),
                 has: "one slot of a dispatch that writes it".to_owned(),
@@ -124,7 +160,7 @@ fn plan_dispatch(
     }
     Ok(Dispatch {
         program,
-        storage,
+        bound,
         groups,
     })
 }
@@ -132,9 +168,9 @@ fn plan_dispatch(
 /// Runs the groups of a dispatch; returns how many bytes they read and wrote.
 fn run(device: &mut Device, dispatch: &Dispatch) -> u64 {
     let layout = dispatch.program.layout();
-    let slots = || layout.slots.iter().zip(&dispatch.storage);
+    let slots = || layout.slots.iter().zip(&dispatch.bound);
     if let Some(reads) = &mut device.reads {
-        for &id in &dispatch.storage {
+        for id in dispatch.bound.iter().filter_map(|place| place.buffer()) {
             let bytes = device.buffers[id.index() as usize]
                 .as_ref()
                 .map_or(0, |buffer| buffer.bytes.len());
@@ -143,8 +179,8 @@ fn run(device: &mut Device, dispatch: &Dispatch) -> u64 {
     }
     // What is written is taken out of the device, so that everything else can be read meanwhile.
     let mut written: Vec<(BufferId, u32, Vec<u8>)> = Vec::new();
-    for (access, &id) in slots() {
-        if let Access::Own { group_bytes } = *access {
+    for (access, &place) in slots() {
+        if let (Access::Own { group_bytes }, Bound::Buffer(id)) = (*access, place) {
             let bytes = device.bytes_mut(id).map(std::mem::take).unwrap_or_default();
             written.push((id, group_bytes, bytes));
         }
@@ -182,10 +218,21 @@ fn run_groups(
     let mut groups: Vec<Group<'_>> = Vec::with_capacity(dispatch.groups as usize);
     for number in 0..dispatch.groups {
         let mut parts = owned.iter_mut();
-        let slots = layout.slots.iter().zip(&dispatch.storage);
-        let slots = slots.map(|(access, &id)| match access {
-            Access::Read => GroupSlot::All(Words::of(id, device.living(id), device.reads.as_ref())),
-            Access::Own { .. } => {
+        let slots = layout.slots.iter().zip(&dispatch.bound);
+        let slots = slots.map(|(access, &place)| match (access, place) {
+            (_, Bound::Depth(id)) => {
+                let slot = device
+                    .target(id)
+                    .expect("the handle was checked by the plan");
+                GroupSlot::Depth(&slot.target)
+            }
+            (Access::Recall, Bound::Buffer(id)) => {
+                GroupSlot::All(Words::of(id, device.living(id), None))
+            }
+            (Access::Read | Access::Depth, Bound::Buffer(id)) => {
+                GroupSlot::All(Words::of(id, device.living(id), device.reads.as_ref()))
+            }
+            (Access::Own { .. }, Bound::Buffer(_)) => {
                 let (buffer, size, chunks) = parts.next().expect("one for each slot that is owned");
                 GroupSlot::Own {
                     buffer: *buffer,

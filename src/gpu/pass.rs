@@ -4,7 +4,7 @@
 //!
 //! | command | bytes |
 //! |---|---:|
-//! | bind a program, buffer or texture | 8 |
+//! | bind a program, buffer, texture or depth | 8 |
 //! | draw, or draw from a counter | 20 |
 //! | indirect draw, each record | 8 |
 //! | indirect draw whose records the device walks by itself | 20 |
@@ -245,7 +245,7 @@ impl IndirectRecord {
     }
 }
 
-/// Runs compute programs over buffers, on cards that can.
+/// Runs compute programs over buffers and depths, on cards that can.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ComputePass {
     /// A name for reports.
@@ -265,6 +265,13 @@ pub enum ComputeStep {
         slot: u32,
         /// The buffer.
         buffer: BufferId,
+    },
+    /// Sets a target whose depth the program reads.
+    Depth {
+        /// The program's slot.
+        slot: u32,
+        /// The target.
+        target: TargetId,
     },
     /// Runs the program.
     Dispatch {

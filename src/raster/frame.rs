@@ -125,6 +125,19 @@ impl Target {
         f32::from_bits(depth)
     }
 
+    /// The greatest depth of the samples of a pixel: nothing that is farther all over it can show
+    /// there. The depth it was cleared to where there is no pixel.
+    #[must_use]
+    pub fn farthest_depth(&self, x: u32, y: u32) -> f32 {
+        let depth = self.place(x, y).map_or(self.clear_depth, |(block, index)| {
+            let count = self.samples.count();
+            let samples = &block.depth[index * count..(index + 1) * count];
+            // Depths order as their bits.
+            samples.iter().copied().max().unwrap_or(self.clear_depth)
+        });
+        f32::from_bits(depth)
+    }
+
     /// The linear colour of a pixel: of four samples the mean, `((a + b) + (c + d)) / 4`.
     #[must_use]
     pub fn colour(&self, x: u32, y: u32) -> Vec4 {
@@ -298,6 +311,20 @@ mod tests {
         assert_eq!(target.depth(64, 1), 0.25);
         assert_eq!(target.key(64, 1), None);
         assert_eq!(target.linear().len(), 130);
+    }
+
+    #[test]
+    fn the_farthest_sample_of_a_pixel_is_its_farthest_depth() {
+        let mut target = Target::new(65, 2, Samples::Four);
+        target.clear(Vec4::ZERO, 0.75);
+        assert_eq!(target.farthest_depth(0, 0), 0.75);
+        let (ready, _, blocks) = target.parts();
+        ready.make(&mut blocks[0]);
+        let depths = [0.25_f32, 0.5, 0.125, 0.5].map(f32::to_bits);
+        blocks[0].depth[4..8].copy_from_slice(&depths);
+        let along = [0, 1, 2, 64, 65].map(|x| target.farthest_depth(x, 0));
+        assert_eq!(along, [0.75, 0.5, 0.75, 0.75, 0.75]);
+        assert_eq!(target.depth(1, 0), 0.25, "of the first sample");
     }
 
     #[test]

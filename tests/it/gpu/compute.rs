@@ -131,6 +131,88 @@ fn any_number_of_threads_computes_the_same_and_counts_the_same() {
     }
 }
 
+/// A word a pixel of a target of four columns: its depth.
+#[derive(Debug)]
+struct Depths;
+
+impl ComputeProgram for Depths {
+    fn layout(&self) -> ComputeLayout {
+        ComputeLayout {
+            name: "depths",
+            slots: &[Access::Depth, Access::Own { group_bytes: 16 }],
+            ..PREFIX
+        }
+    }
+
+    fn run(&self, group: &mut Group<'_>) {
+        assert_eq!(group.size(0), [4, 2]);
+        assert_eq!((group.size(1), group.len(0)), ([0, 0], 0));
+        for x in 0..4 {
+            let depth = group.farthest_depth(0, [x, group.number()]);
+            group.set(1, x as usize, depth.to_bits());
+        }
+    }
+}
+
+#[test]
+fn the_depth_of_a_target_is_read_and_counted_sample_by_sample() {
+    for (samples, bytes) in [(Samples::One, 4), (Samples::Four, 16)] {
+        let (mut device, buffers) = device(12, "gtx770");
+        let target = device.create_target(&TargetDescriptor {
+            label: "depths",
+            width: 4,
+            height: 2,
+            samples,
+        });
+        let target = target.expect("memory suffices");
+        let clear = RenderPass {
+            label: "clear".to_owned(),
+            target,
+            load: Load::Clear {
+                color: Vec4::ZERO,
+                depth: 0.625,
+            },
+            steps: Vec::new(),
+        };
+        let program = device.create_compute_program(Arc::new(Depths));
+        let buffer = |slot, buffer| ComputeStep::Storage { slot, buffer };
+        let depth = |slot| ComputeStep::Depth { slot, target };
+        let program = ComputeStep::Program(program.expect("this card computes"));
+        let dispatch = ComputeStep::Dispatch { groups: 3 };
+        device.take_ledger();
+        let read = [program, depth(0), buffer(1, buffers[1]), dispatch];
+        let submitted = device
+            .queue()
+            .submit(&[Command::Render(clear), pass(&read)]);
+        submitted.expect("a sound pass");
+        let held = device.inspect_buffer(buffers[1]).expect("it lives");
+        let wanted = [[0.625_f32; 8].as_slice(), &[0.0; 4]].concat();
+        let wanted = super::words(wanted.into_iter().map(f32::to_bits));
+        assert_eq!(held, wanted, "beside the target nothing is far");
+        let ledger = device.take_ledger();
+        assert_eq!(ledger.compute.bytes, 8 * bytes + 12 * 4);
+        assert_eq!(ledger.command_bytes, 24 + 3 * 8 + 16);
+        // A buffer is no depth, and a depth is no buffer.
+        let mut refused = |steps: &[ComputeStep]| {
+            let error = device.queue().submit(&[pass(steps)]);
+            error.expect_err("this must be refused").to_string()
+        };
+        assert_eq!(
+            refused(&[
+                program,
+                buffer(0, buffers[0]),
+                buffer(1, buffers[1]),
+                dispatch
+            ]),
+            "program \"depths\" draws without depth 0"
+        );
+        assert_eq!(
+            refused(&[program, depth(0), depth(1), dispatch]),
+            "program \"depths\" draws without storage buffer 1"
+        );
+    }
+}
+
 /// How many bytes were read, which are the first of the buffer.
 fn first_bytes(device: &Device, buffer: BufferId) -> u64 {
     let reads = device.reads().expect("tracked");
