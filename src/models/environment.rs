@@ -5,12 +5,14 @@ use std::sync::Arc;
 use super::expand_pass::ExpandPass;
 use super::format::LeafFormat;
 use super::leaf::{LeafProgram, LeafSource};
+use super::pyramid_pass::{CELL_SLOT, PyramidPass, TARGET_SLOT, block_count, pyramid_size};
+use super::reveal_pass::RevealPass;
 use super::select_pass::SelectPass;
 use super::trunk::MeshProgram;
-use super::{Criterion, Crown, Extent, Kind, State, select};
+use super::{Criterion, Crown, Extent, Kind, Occlusion, State, select};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, ComputeProgramId, Device, GpuError, ProgramId, Queue,
-    Residency, Step, Usage,
+    BufferDescriptor, BufferId, Cause, ComputePass, ComputeProgramId, ComputeStep, Device,
+    GpuError, ProgramId, Queue, Residency, Step, TargetId, Usage,
 };
 use crate::math::{Mat4, Quat, Vec3};
 
@@ -23,14 +25,37 @@ pub struct Environment {
     view: BufferId,
     instances: BufferId,
     lens: Option<Lens>,
+    occluders: Option<Occluders>,
+    rooms: u32,
 }
 
 /// What devices that select by themselves need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lens {
     pub(super) camera: BufferId,
-    pub(super) select: ComputeProgramId,
+    /// By [`Occlusion`].
+    select: [ComputeProgramId; 2],
     pub(super) expand: ComputeProgramId,
+}
+
+impl Lens {
+    /// The program that selects.
+    pub(super) fn select(self, occlusion: Occlusion) -> ComputeProgramId {
+        self.select[occlusion as usize]
+    }
+}
+
+/// What devices need that leave out what is hidden.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Occluders {
+    /// What is drawn into.
+    pub(super) target: TargetId,
+    /// Made of its depth.
+    pub(super) pyramid: BufferId,
+    make_pyramid: ComputeProgramId,
+    /// Cells of the coarsest level.
+    blocks: u32,
+    pub(super) reveal: ComputeProgramId,
 }
 
 /// What a frame is seen by.
@@ -256,6 +281,8 @@ impl Environment {
             view,
             instances,
             lens: None,
+            occluders: None,
+            rooms: 1,
         })
     }
 
@@ -269,7 +296,10 @@ impl Environment {
         let mut environment = Self::new(device, instances)?;
         if kind.selects() {
             environment.lens = Some(Lens {
-                select: device.create_compute_program(Arc::new(SelectPass))?,
+                select: [
+                    device.create_compute_program(Arc::new(SelectPass(Occlusion::None)))?,
+                    device.create_compute_program(Arc::new(SelectPass(Occlusion::TwoPhase)))?,
+                ],
                 expand: device.create_compute_program(Arc::new(ExpandPass))?,
                 camera: device.create_buffer(&BufferDescriptor {
                     label: "camera",
@@ -280,6 +310,76 @@ impl Environment {
             });
         }
         Ok(environment)
+    }
+
+    /// Adds what models need that [leave out what is hidden](Occlusion::TwoPhase) in a target: the
+    /// pyramid of its depth, and their programs. Only into that target can they be drawn.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`], [`GpuError::Unknown`] where there is no such target, or
+    /// [`GpuError::NoCompute`] on a card that cannot run those programs.
+    pub fn occlude(&mut self, device: &mut Device, target: TargetId) -> Result<(), GpuError> {
+        let found = device.inspect_target(target)?;
+        let size = [found.width(), found.height()];
+        self.occluders = Some(Occluders {
+            target,
+            pyramid: device.create_buffer(&BufferDescriptor {
+                label: "depth pyramid",
+                size: pyramid_size(size),
+                usage: Usage::STORAGE,
+                residency: Residency::Device,
+            })?,
+            make_pyramid: device.create_compute_program(Arc::new(PyramidPass))?,
+            blocks: block_count(size),
+            reveal: device.create_compute_program(Arc::new(RevealPass))?,
+        });
+        Ok(())
+    }
+
+    pub(super) fn occluders(&self) -> Result<Occluders, GpuError> {
+        self.occluders.ok_or_else(|| GpuError::Unsupported {
+            what: "a model that leaves out what is hidden where no target's depth is looked at"
+                .to_owned(),
+        })
+    }
+
+    /// The pass that makes the pyramid of what was drawn so far.
+    pub(super) fn pyramid_pass(&self) -> Option<ComputePass> {
+        let occluders = self.occluders?;
+        let (target, buffer) = (occluders.target, occluders.pyramid);
+        Some(ComputePass {
+            label: "pyramid".to_owned(),
+            steps: vec![
+                ComputeStep::Program(occluders.make_pyramid),
+                ComputeStep::Depth {
+                    slot: TARGET_SLOT,
+                    target,
+                },
+                ComputeStep::Storage {
+                    slot: CELL_SLOT,
+                    buffer,
+                },
+                ComputeStep::Dispatch {
+                    groups: occluders.blocks,
+                },
+            ],
+        })
+    }
+
+    /// The same for models of which there will be so many instances each: those that share buffers
+    /// make rooms for as many at once. Without it they make them one at a time.
+    #[must_use]
+    pub fn with_rooms(self, instances: u32) -> Self {
+        Self {
+            rooms: instances,
+            ..self
+        }
+    }
+
+    /// How many instances a model makes rooms for at once.
+    pub(super) fn rooms(&self) -> u32 {
+        self.rooms
     }
 
     /// Whether there are models that look at the camera.

@@ -6,10 +6,12 @@
 //! - `leaf`: the input assembler names four vertices a leaf;
 //! - `stamped-leaf`: corner `i` belongs to leaf record `i / 4` of a storage buffer; records that are
 //!   not born yet, or gone already, are left out;
-//! - `windowed-leaf`: the same, where draws begin behind what is gone of each cluster.
+//! - `windowed-leaf`: the same, where draws begin behind what is gone of each cluster; corners of the
+//!   second instance count on behind those of the first, and so on.
 
 use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
 use super::format::{LeafFormat, Records, VertexReader, Vertices};
+use super::select_pass::crown_cluster_count;
 use crate::gpu::{
     Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
     VertexCall, Words, Wrap,
@@ -48,10 +50,12 @@ pub(super) const THRESHOLD_SLOT: u32 = 6;
 /// The slot of the clusters' first vertices, for compact records that are pulled.
 pub(super) const FIRST_VERTEX_SLOT: u32 = 7;
 
-/// The slot of the collapses done in each cluster, for windows.
+/// The slot of the collapses done in each cluster of each instance, for windows.
 pub(super) const COUNT_SLOT: u32 = 5;
+/// The slot of the [crown](super::select_pass), for windows.
+pub(super) const WINDOW_CROWN_SLOT: u32 = 6;
 /// The slot of the clusters' first vertices, for windows of compact records.
-pub(super) const WINDOW_FIRST_VERTEX_SLOT: u32 = 6;
+pub(super) const WINDOW_FIRST_VERTEX_SLOT: u32 = 7;
 
 /// Words of one pulled record: four corners, birth, cluster.
 pub(super) fn stamped_words(format: LeafFormat) -> usize {
@@ -134,10 +138,18 @@ impl Program for LeafProgram {
                 let counts = storage(COUNT_SLOT);
                 let first_vertices = storage(WINDOW_FIRST_VERTEX_SLOT);
                 let words = stamped_words(self.format);
+                let clusters = crown_cluster_count(storage(WINDOW_CROWN_SLOT)) as usize;
+                // All corners of a call are of one instance.
+                let record = |corner: u32| corner as usize / 4;
+                let each = (records.len() / words).max(1);
+                let room = call
+                    .corners
+                    .first()
+                    .map_or(0, |&first| record(first) / each);
                 for corners in call.corners.chunks_exact(4) {
-                    let first = words * (corners[0] as usize / 4);
+                    let first = words * (record(corners[0]) - room * each);
                     let [birth, cluster] = records.u32s(first + words - 2);
-                    if birth <= counts.u32(cluster as usize) {
+                    if birth <= counts.u32(room * clusters + cluster as usize) {
                         let corners =
                             self.corners(records, first, || first_vertices.u32(cluster as usize));
                         stage.leaf(corners, &vertices, geometry);
@@ -203,7 +215,7 @@ impl LeafProgram {
             (LeafSource::Indexed, _) => MATERIAL_SLOT + 1,
             (LeafSource::Stamped, Records::Wide) => THRESHOLD_SLOT + 1,
             (LeafSource::Stamped, Records::Compact) => FIRST_VERTEX_SLOT + 1,
-            (LeafSource::Windowed, Records::Wide) => COUNT_SLOT + 1,
+            (LeafSource::Windowed, Records::Wide) => WINDOW_CROWN_SLOT + 1,
             (LeafSource::Windowed, Records::Compact) => WINDOW_FIRST_VERTEX_SLOT + 1,
         }
     }

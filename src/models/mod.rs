@@ -24,6 +24,9 @@
 //! | [`Kind::LodfDevice`] | vertices, every record once with its birth, the clusters' boxes and collapses | nothing but the [`Camera`] (24 B) where that decides; else as `LodfStamps` |
 //! | [`Kind::LodfLiteral`] | as `LodfCluster` | as `LodfCluster`, of the papers' static list: wrong leaves |
 //!
+//! Instances of one species that `LodfDevice` draws share buffers, one dispatch and one draw command, and
+//! may leave out what is hidden ([`Occlusion`]): [`frame_commands`] puts a frame's passes in order.
+//!
 //! These are figures of wide records and float vertices; [`LeafFormat`] has smaller ones for all of them:
 //! records of 8 B, vertices of 8 B. Then every cluster is a draw of its own, also of lists.
 //!
@@ -32,15 +35,19 @@
 //!
 //! Trunks are models of the same form: [`TrunkModel`], with a [`TrunkLevel`] for a state.
 
+mod clip_box;
 mod crown;
 mod environment;
 mod errors;
 mod expand_pass;
 mod format;
+mod frame;
 mod full;
 mod leaf;
 mod leaf_list;
 mod lodf;
+mod pyramid_pass;
+mod reveal_pass;
 mod select;
 mod select_pass;
 mod state;
@@ -55,6 +62,7 @@ pub use crown::Crown;
 pub use environment::{Camera, Environment, Placement, View};
 pub use errors::LeafErrors;
 pub use format::{LeafFormat, Records, Vertices};
+pub use frame::frame_commands;
 pub use lodf::{Extraction, Gather};
 pub use select::{
     Apportionment, Band, ByDistance, ByScreenError, BySilhouette, ClusterFacts, Criterion, Extent,
@@ -145,11 +153,20 @@ pub trait Resident<S = State>: std::fmt::Debug {
         self.commit(queue, to)
     }
 
-    /// Adds the commands that go before every pass that draws it, after the view is sent.
+    /// Adds the commands that go before every pass that draws it, after the view is sent. Where
+    /// instances share what they are drawn with, the first of them adds the commands for all, and
+    /// likewise below.
     fn prepare(&self, _commands: &mut Vec<Command>) {}
 
     /// Adds the steps that draw it.
     fn draw(&self, steps: &mut Vec<Step>);
+
+    /// Where [`draw`](Self::draw) draws [first what was seen last](Occlusion::TwoPhase): adds the
+    /// commands that find out, from what all of them have drawn, what is left to draw.
+    fn reveal(&self, _commands: &mut Vec<Command>) {}
+
+    /// Adds the steps that draw what is left.
+    fn draw_revealed(&self, _steps: &mut Vec<Step>) {}
 
     /// What it alone keeps in host memory, in bytes, by the lengths of its arrays: the state and what
     /// the model needs beside it. Numbers of buffers and of the instance are not counted.
@@ -332,4 +349,17 @@ pub struct ModelOptions {
     pub gather: Gather,
     /// How leaves look as bytes.
     pub format: LeafFormat,
+    /// What the device leaves out by itself, where it [selects](Kind::selects).
+    pub occlusion: Occlusion,
+}
+
+/// What a device that selects by itself leaves out beside what lies out of sight. No picture depends on
+/// it, nor on what was seen before; what is submitted does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Occlusion {
+    /// Nothing.
+    None,
+    /// Clusters that are hidden: those seen in the frame before are drawn first, then of all others
+    /// those that are not behind what was drawn.
+    TwoPhase,
 }

@@ -1,5 +1,5 @@
-//! The compute program that selects: from the camera, or a state, to what every cluster of an instance
-//! draws.
+//! The compute program that selects: from the camera, or a state, to what every cluster of the
+//! instances of a species draws.
 //!
 //! A crown on the device, little-endian:
 //!
@@ -15,15 +15,19 @@
 //! | 8 + 8 G … | the global number of each collapse, cluster by cluster, ascending | `u32` each |
 //!
 //! The detail of an instance: its source ([`CAMERA`], [`VARIABLE`], or how many collapses of the sequence
-//! are done), its number, and the collapses of each cluster for `VARIABLE`: `u32` each.
+//! are done), its number, and the collapses of each cluster for `VARIABLE`: `u32` each. Instances of a
+//! species lie one behind another in *rooms* numbered from 0, and so do the clusters of all of them,
+//! `G` a room: what is computed for cluster `g` of room `r` has place `G r + g` in its buffer, and
+//! corners of room `r` count from `4 R r` on, for `R` records of a species.
 //!
 //! Arithmetic is that of the host: [`collapses_at`] is called by both. It compares distances in `f64`,
 //! which cards do more slowly than `f32`; that is not modelled.
 
+use super::clip_box::ClipBox;
 use super::environment::{Camera, INSTANCE_SLOT, Placement, VIEW_SLOT, View};
 use super::select::collapses_at;
-use super::{Crown, Extent};
-use crate::gpu::{Access, ComputeLayout, ComputeProgram, Group, IndirectRecord};
+use super::{Crown, Extent, Occlusion};
+use crate::gpu::{Access, ComputeLayout, ComputeProgram, Group, IndirectRecord, Words};
 use crate::math::{Aabb, Mat4, Vec3, index_u32};
 
 /// The source that says: by the camera.
@@ -42,14 +46,18 @@ pub(super) const COLLAPSES_SLOT: u32 = 5;
 /// The slot of the draw arguments: written.
 pub(super) const ARGUMENT_SLOT: u32 = 6;
 
+/// With [two phases](Occlusion::TwoPhase): the slot of what was seen last time, of which alone
+/// arguments are then written.
+pub(super) const SEEN_SLOT: u32 = 7;
+
 /// Clusters a group.
-const GROUP_CLUSTERS: u32 = 64;
+pub(super) const GROUP_CLUSTERS: u32 = 64;
 /// Words before the first cluster.
 pub(super) const CROWN_WORDS: usize = 8;
 /// Words a cluster.
 pub(super) const CLUSTER_WORDS: usize = 8;
 
-/// How many groups select for so many clusters.
+/// How many groups select for so many clusters of all instances.
 pub(super) fn group_count(clusters: u32) -> u32 {
     clusters.div_ceil(GROUP_CLUSTERS)
 }
@@ -83,11 +91,11 @@ pub(super) fn crown_bytes(crown: &Crown, step: Vec3) -> Vec<u8> {
 
 /// The program.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SelectPass;
+pub(super) struct SelectPass(pub(super) Occlusion);
 
 impl ComputeProgram for SelectPass {
     fn layout(&self) -> ComputeLayout {
-        const SLOTS: [Access; 7] = [
+        const SLOTS: [Access; 8] = [
             Access::Read,
             Access::Read,
             Access::Read,
@@ -99,11 +107,16 @@ impl ComputeProgram for SelectPass {
             Access::Own {
                 group_bytes: 16 * GROUP_CLUSTERS,
             },
+            Access::Recall,
         ];
+        let (name, slots) = match self.0 {
+            Occlusion::None => ("select", &SLOTS[..SEEN_SLOT as usize]),
+            Occlusion::TwoPhase => ("select-seen", &SLOTS[..]),
+        };
         ComputeLayout {
-            name: "select",
-            version: 1,
-            slots: &SLOTS,
+            name,
+            version: 2,
+            slots,
             // A cluster: a distance and a division, 24 steps of a search, eight corners of a box
             // through two matrices against six planes.
             group_operations: GROUP_CLUSTERS * 1024,
@@ -111,35 +124,92 @@ impl ComputeProgram for SelectPass {
     }
 
     fn run(&self, group: &mut Group<'_>) {
-        let crown = CROWN_SLOT as usize;
-        let clusters = group.u32(crown, 4);
-        let first = GROUP_CLUSTERS * group.number();
-        let mut selection = Selection::read(group);
-        for place in 0..GROUP_CLUSTERS.min(clusters.saturating_sub(first)) {
-            let cluster = Cluster::read(group, first + place);
-            let collapses = selection.collapses(group, &cluster, clusters);
-            let shows = selection.may_show(&cluster.bounds);
+        let clusters = cluster_count(group);
+        let records_each = 2 * group.u32(CROWN_SLOT as usize, 3) - clusters;
+        let mut selection: Option<Selection> = None;
+        for number in 0..group.len(COLLAPSES_SLOT as usize) {
+            let place = Place::of(group, number, clusters);
+            let mut selected = match selection.take() {
+                Some(selection) if selection.place.room == place.room => selection,
+                _ => Selection::read(group, place),
+            };
+            let cluster = Cluster::read(group, place.cluster);
+            let collapses = selected.collapses(group, &cluster);
+            let first = match self.0 {
+                Occlusion::None => true,
+                Occlusion::TwoPhase => group.u32(SEEN_SLOT as usize, place.word()) != 0,
+            };
+            let shows = first && selected.may_show(&cluster);
             let records = 2 * cluster.originals - 1;
             let window = records.saturating_sub(2 * collapses);
             // Records before the cluster's own: two a collapse and a root, of each cluster before.
-            let start = 2 * cluster.before + cluster.number;
+            let start = place.room * records_each + 2 * cluster.before + cluster.number;
             let arguments = IndirectRecord {
                 corner_count: 4 * window,
                 instances: u32::from(shows),
                 first_corner: 4 * (start + records - window),
-                instance: selection.instance,
+                instance: selected.instance,
             };
-            group.set(COLLAPSES_SLOT as usize, place as usize, collapses);
+            selection = Some(selected);
+            group.set(COLLAPSES_SLOT as usize, number, collapses);
             for (word, bytes) in arguments.to_bytes().as_chunks::<4>().0.iter().enumerate() {
-                let at = 4 * place as usize + word;
+                let at = 4 * number + word;
                 group.set(ARGUMENT_SLOT as usize, at, u32::from_le_bytes(*bytes));
             }
         }
     }
 }
 
+/// How many clusters an instance has.
+pub(super) fn cluster_count(group: &mut Group<'_>) -> u32 {
+    group.u32(CROWN_SLOT as usize, 4)
+}
+
+/// The same where a draw has the crown bound.
+pub(super) fn crown_cluster_count(crown: Words<'_>) -> u32 {
+    crown.u32(4)
+}
+
+/// How far vertices may be displaced along each axis.
+pub(super) fn step(group: &mut Group<'_>) -> Vec3 {
+    Vec3::from_array(group.f32s(CROWN_SLOT as usize, 5))
+}
+
+/// Which cluster of which instance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// The instance's room.
+    pub(super) room: u32,
+    pub(super) cluster: u32,
+    /// Clusters a room, above 0.
+    clusters: u32,
+}
+
+impl Place {
+    /// That of a cluster that a group owns, counted from its first, with so many an instance.
+    pub(super) fn of(group: &Group<'_>, number: usize, clusters: u32) -> Self {
+        let clusters = clusters.max(1);
+        let word = GROUP_CLUSTERS * group.number() + index_u32(number);
+        Self {
+            room: word / clusters,
+            cluster: word % clusters,
+            clusters,
+        }
+    }
+
+    /// Its place among the clusters of all instances.
+    pub(super) fn word(self) -> usize {
+        self.clusters as usize * self.room as usize + self.cluster as usize
+    }
+
+    /// The first word of its instance's detail.
+    pub(super) fn detail(self) -> usize {
+        (2 + self.clusters as usize) * self.room as usize
+    }
+}
+
 /// A cluster of the crown.
-struct Cluster {
+pub(super) struct Cluster {
     number: u32,
     before: u32,
     originals: u32,
@@ -147,7 +217,7 @@ struct Cluster {
 }
 
 impl Cluster {
-    fn read(group: &mut Group<'_>, number: u32) -> Self {
+    pub(super) fn read(group: &mut Group<'_>, number: u32) -> Self {
         let first = CROWN_WORDS + CLUSTER_WORDS * number as usize;
         let [before, originals] = group.u32s(CROWN_SLOT as usize, first);
         let [a, b, c, d, e, f] = group.f32s(CROWN_SLOT as usize, first + 2);
@@ -159,6 +229,14 @@ impl Cluster {
                 min: Vec3::new(a, b, c),
                 max: Vec3::new(d, e, f),
             },
+        }
+    }
+
+    /// Its box, where vertices may be displaced by `step`.
+    pub(super) fn displaced(&self, step: Vec3) -> Aabb {
+        Aabb {
+            min: self.bounds.min - step,
+            max: self.bounds.max + step,
         }
     }
 
@@ -180,6 +258,8 @@ impl Cluster {
 
 /// What a group knows of its instance.
 struct Selection {
+    /// That of any of its clusters.
+    place: Place,
     source: u32,
     instance: u32,
     placement: Placement,
@@ -192,8 +272,8 @@ struct Selection {
 }
 
 impl Selection {
-    fn read(group: &mut Group<'_>) -> Self {
-        let [source, instance] = group.u32s(DETAIL_SLOT as usize, 0);
+    fn read(group: &mut Group<'_>, place: Place) -> Self {
+        let [source, instance] = group.u32s(DETAIL_SLOT as usize, place.detail());
         let placement = group.f32s(INSTANCE_SLOT as usize, 8 * instance as usize);
         let placement = Placement::from_words(placement);
         let clip_from_world = View::read_matrix(group.f32s(VIEW_SLOT as usize, 0));
@@ -214,21 +294,25 @@ impl Selection {
             (collapses, _) => Some(collapses),
         };
         Self {
+            place,
             source,
             instance,
             placement,
             clip_from_world,
-            step: Vec3::from_array(group.f32s(CROWN_SLOT as usize, 5)),
+            step: step(group),
             done,
             camera,
         }
     }
 
     /// The collapses done in a cluster.
-    fn collapses(&mut self, group: &mut Group<'_>, cluster: &Cluster, clusters: u32) -> u32 {
+    fn collapses(&mut self, group: &mut Group<'_>, cluster: &Cluster) -> u32 {
         match (self.done, self.source) {
-            (Some(done), _) => cluster.collapses_after(group, clusters, done),
-            (None, VARIABLE) => group.u32(DETAIL_SLOT as usize, 2 + cluster.number as usize),
+            (Some(done), _) => cluster.collapses_after(group, self.place.clusters, done),
+            (None, VARIABLE) => {
+                let first = self.place.detail() + 2;
+                group.u32(DETAIL_SLOT as usize, first + cluster.number as usize)
+            }
             (None, _) => collapses_at(
                 self.camera.criterion_for(&self.placement),
                 self.placement.to_plant(self.camera.eye),
@@ -239,49 +323,8 @@ impl Selection {
         }
     }
 
-    fn may_show(&self, bounds: &Aabb) -> bool {
-        let bounds = Aabb {
-            min: bounds.min - self.step,
-            max: bounds.max + self.step,
-        };
-        may_show(&self.clip_from_world, &self.placement, &bounds)
+    fn may_show(&self, cluster: &Cluster) -> bool {
+        let bounds = cluster.displaced(self.step);
+        !ClipBox::new(&self.clip_from_world, &self.placement, &bounds).is_out_of_sight()
     }
-}
-
-/// Whether a placed box may show: `false` only if all of it lies outside of one plane of clip space, by
-/// more than a vertex in it can be moved by rounding.
-fn may_show(clip_from_world: &Mat4, placement: &Placement, bounds: &Aabb) -> bool {
-    // A few roundings of numbers as large as these, each by 2⁻²⁴ at most; 2⁻¹⁶ leaves ample room.
-    const ROUNDING: f32 = 1.0 / 65_536.0;
-    let farthest = bounds.min.abs().max(bounds.max.abs()).length();
-    let size = placement.position.abs() + Vec3::splat(placement.scale * farthest);
-    let rows = [0, 1, 2, 3].map(|row| clip_from_world.row(row));
-    let room = rows.map(|row| ROUNDING * (row.truncate().abs().dot(size) + row.w.abs()));
-    let [x_room, y_room, z_room, w_room] = room;
-    // Inside is where all six are at least 0.
-    let mut outside = [true; 6];
-    for corner in 0..8 {
-        let pick = |axis: usize| {
-            if corner >> axis & 1 == 0 {
-                bounds.min[axis]
-            } else {
-                bounds.max[axis]
-            }
-        };
-        let point = placement.to_world(Vec3::new(pick(0), pick(1), pick(2)));
-        let [x, y, z, w] = rows.map(|row| row.truncate().dot(point) + row.w);
-        let insides = [
-            w + x + w_room + x_room,
-            w - x + w_room + x_room,
-            w + y + w_room + y_room,
-            w - y + w_room + y_room,
-            z + z_room,
-            w - z + w_room + z_room,
-        ];
-        for (all, inside) in outside.iter_mut().zip(insides) {
-            // What is no number is drawn.
-            *all &= inside < 0.0;
-        }
-    }
-    !outside.contains(&true)
 }

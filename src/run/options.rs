@@ -3,7 +3,7 @@
 use super::RunError;
 use crate::gpu::{Card, Link};
 use crate::models::{
-    Extraction, Gather, Kind, LeafFormat, ModelOptions, Records, TrunkKind, Vertices,
+    Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, TrunkKind, Vertices,
 };
 use crate::raster::{Counters, Options, TileSize};
 use crate::scene::{self, ImageSize, SampleCount, Scene};
@@ -86,6 +86,10 @@ impl SessionOptions {
                         scene::VertexFormat::Float => Vertices::Float,
                         scene::VertexFormat::Quantised => Vertices::Quantised,
                     },
+                },
+                occlusion: match scene.model.occlusion {
+                    scene::Occlusion::None => Occlusion::None,
+                    scene::Occlusion::TwoPhase => Occlusion::TwoPhase,
                 },
             },
             trunk: TrunkKind {

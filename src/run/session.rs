@@ -12,8 +12,8 @@ use crate::gpu::{
 };
 use crate::math::{Vec4, whole_u32};
 use crate::models::{
-    Camera, Criterion, Environment, Extent, Ground, Kind, LEAF_GROUP, Placement, Resident, Shared,
-    State, TreeChange, TreeState, TrunkKind, TrunkLevel, View,
+    Camera, Criterion, Environment, Extent, Ground, Kind, LEAF_GROUP, Occlusion, Placement,
+    Resident, Shared, State, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
 };
 use crate::raster::{Samples, decode_srgb};
 use crate::scene::{self, ImageSize, SampleCount, Scene};
@@ -154,7 +154,10 @@ impl<'w> Session<'w> {
         let trees = crate::math::index_u32(world.trees.len());
         // The ground is placed after all trees.
         let placed = trees + u32::from(world.ground.is_some());
-        let environment = Environment::of_kind(&mut device, placed, options.kind)?;
+        let mut environment = Environment::of_kind(&mut device, placed, options.kind)?;
+        if options.kind.selects() && options.model.occlusion == Occlusion::TwoPhase {
+            environment.occlude(&mut device, target)?;
+        }
         let ground = match &world.ground {
             None => None,
             Some(mesh) => {
@@ -172,7 +175,9 @@ impl<'w> Session<'w> {
             let uploaded = model.map(|model| model.upload(&mut device, &environment));
             trunks.push(uploaded.transpose()?);
             let model = options.kind.model(crown, options.model);
-            shared.push(model.upload(&mut device, &environment)?);
+            let standing = world.trees.iter().filter(|tree| tree.crown == number);
+            let rooms = crate::math::index_u32(standing.count());
+            shared.push(model.upload(&mut device, &environment.with_rooms(rooms))?);
             owners.claim(&device, Owner::Plant(number));
         }
         let mut session = Self {
@@ -202,10 +207,16 @@ impl<'w> Session<'w> {
             let trunk =
                 trunk.map(|trunk| trunk.instance(&mut session.device, &state.trunk, number));
             session.trunks.push(trunk.transpose()?);
+            session.owners.claim(&session.device, Owner::Tree(number));
             let resident =
                 shared[tree.crown].instance(&mut session.device, &state.foliage, number)?;
             session.residents.push(resident);
-            session.owners.claim(&session.device, Owner::Tree(number));
+            // Trees that the device selects for lie in buffers of all.
+            let owner = match options.kind.selects() {
+                true => Owner::Plant(tree.crown),
+                false => Owner::Tree(number),
+            };
+            session.owners.claim(&session.device, owner);
         }
         // What selects by itself stands as its first frame begins.
         if dictated.is_none() && session.selecting_camera(0).is_some() {
@@ -457,16 +468,6 @@ impl<'w> Session<'w> {
         others.map(|(_, bytes)| bytes).sum()
     }
 
-    /// What draws all trees as they are committed.
-    fn commands(&self) -> Vec<Command> {
-        let mut commands = Vec::new();
-        for resident in &self.residents {
-            resident.prepare(&mut commands);
-        }
-        commands.push(Command::Render(self.pass()));
-        commands
-    }
-
     /// The state of every tree as it is committed.
     #[must_use]
     pub fn states(&self) -> Vec<TreeState> {
@@ -489,7 +490,13 @@ impl<'w> Session<'w> {
         decode_srgb(self.scene.background)
     }
 
-    /// The pass that draws all trees as they are committed.
+    /// The commands that draw all trees as they are committed.
+    fn commands(&self) -> Vec<Command> {
+        let residents = self.residents.iter().map(|resident| &**resident);
+        frame_commands(&self.environment, self.pass(), residents)
+    }
+
+    /// The pass that draws all trees as they are committed, or as many as are drawn first.
     fn pass(&self) -> RenderPass {
         let mut steps = Vec::new();
         if let Some(ground) = &self.ground {
@@ -519,7 +526,11 @@ impl<'w> Session<'w> {
     ///
     /// None on this session's own device.
     pub fn probe(&self, pixel: [u32; 2]) -> Result<Vec<ProbedFragment>, RunError> {
-        Ok(self.device.probe(&self.pass(), pixel)?)
+        let mut pass = self.pass();
+        for resident in &self.residents {
+            resident.draw_revealed(&mut pass.steps);
+        }
+        Ok(self.device.probe(&pass, pixel)?)
     }
 
     /// Commits and draws one frame.
@@ -572,8 +583,8 @@ impl<'w> Session<'w> {
     /// None on this session's own device.
     pub fn shot(&mut self, frame: u32) -> Result<Shot, RunError> {
         self.set_view(frame)?;
-        let pass = self.pass();
-        self.device.queue().submit(&[Command::Render(pass)])?;
+        let commands = self.commands();
+        self.device.queue().submit(&commands)?;
         self.device.take_ledger();
         Ok(Shot::of(self.device.inspect_target(self.target)?))
     }

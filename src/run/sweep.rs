@@ -10,8 +10,8 @@ use super::world::World;
 use crate::gpu::{Card, Ledger, Link, Stream, Ticks, Traffic};
 use crate::math::Digest;
 use crate::models::{
-    Change, Gather, Kind, LeafFormat, ModelOptions, Records, State, TreeState, TrunkKind,
-    TrunkLevel, Vertices,
+    Change, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, State, TreeState,
+    TrunkKind, TrunkLevel, Vertices,
 };
 use crate::scene::{ImageSize, Scene};
 use crate::simplify::measure_leaves;
@@ -25,6 +25,8 @@ pub struct Variant {
     pub gathered: bool,
     /// How leaves look as bytes.
     pub format: LeafFormat,
+    /// What the device leaves out by itself.
+    pub occlusion: Occlusion,
     /// The model and mode of trunks; without it that of the scene.
     pub trunk: Option<TrunkKind>,
 }
@@ -70,6 +72,7 @@ impl Variant {
             kind,
             gathered: false,
             format: LeafFormat::WIDE,
+            occlusion: Occlusion::None,
             trunk: None,
         }
     }
@@ -105,6 +108,7 @@ impl Variant {
             model: ModelOptions {
                 gather,
                 format: self.format,
+                occlusion: self.occlusion,
                 ..usual.model
             },
             ..*usual
@@ -112,7 +116,7 @@ impl Variant {
     }
 
     /// What a label may end in, in this order, after the kind's.
-    const ENDINGS: [&'static str; 3] = ["-u16", "-quantised", "-gathered"];
+    const ENDINGS: [&'static str; 4] = ["-u16", "-quantised", "-occlusion", "-gathered"];
 
     /// Whether a card can do it.
     #[must_use]
@@ -121,13 +125,14 @@ impl Variant {
     }
 
     /// The kind's label, then `-u16` with compact records, `-quantised` with quantised vertices,
-    /// `-gathered` where ranges are gathered, and `+` and the trunk's label where there is one:
+    /// `-occlusion` where the device leaves out what is hidden, `-gathered` where ranges are gathered, and `+` and the trunk's label where there is one:
     /// `lodf-slots-gathered+lodstrips-device`.
     #[must_use]
     pub fn label(self) -> String {
         let has = [
             self.format.records == Records::Compact,
             self.format.vertices == Vertices::Quantised,
+            self.occlusion == Occlusion::TwoPhase,
             self.gathered,
         ];
         let endings = Self::ENDINGS.into_iter().zip(has).filter(|(_, has)| *has);
@@ -145,7 +150,7 @@ impl Variant {
             Some((foliage, trunk)) => (foliage, Some(TrunkKind::labelled(trunk)?)),
             None => (label, None),
         };
-        let [gathered, quantised, compact] = [2, 1, 0].map(|ending: usize| {
+        let [gathered, occluded, quantised, compact] = [3, 2, 1, 0].map(|ending: usize| {
             let stripped = base.strip_suffix(Self::ENDINGS[ending]);
             base = stripped.unwrap_or(base);
             stripped.is_some()
@@ -153,6 +158,11 @@ impl Variant {
         let variant = Self {
             kind: Kind::labelled(base)?,
             gathered,
+            occlusion: if occluded {
+                Occlusion::TwoPhase
+            } else {
+                Occlusion::None
+            },
             format: LeafFormat {
                 records: if compact {
                     Records::Compact
@@ -171,7 +181,8 @@ impl Variant {
     }
 
     /// Whether its choices mean something: only slots, stamps, dictated states and trunks on the device
-    /// ever send several ranges that could be gathered, and only what has records can have compact ones.
+    /// ever send several ranges that could be gathered, only what has records can have compact ones, and
+    /// only what selects on the device can leave out what is hidden there.
     #[must_use]
     pub fn is_sound(self) -> bool {
         let trunk_gathers =
@@ -179,7 +190,10 @@ impl Variant {
         let kinds = [Kind::LodfSlots, Kind::LodfStamps, Kind::LodfDevice];
         let gathers = kinds.contains(&self.kind) || self.trunk.is_some_and(trunk_gathers);
         let has_records = self.kind != Kind::Full;
-        (gathers || !self.gathered) && (has_records || self.format.records == Records::Wide)
+        let occlusion = self.occlusion == Occlusion::None || self.kind.selects();
+        (gathers || !self.gathered)
+            && occlusion
+            && (has_records || self.format.records == Records::Wide)
     }
 }
 

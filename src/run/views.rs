@@ -8,8 +8,8 @@ use crate::gpu::{
 };
 use crate::math::{Mat4, Sphere, Vec3, Vec4};
 use crate::models::{
-    Crown, Environment, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Placement,
-    Resident, State, View,
+    Crown, Environment, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion,
+    Placement, Resident, State, View,
 };
 use crate::raster::{Counters, Image, Options, Samples, Target, TileSize, decode_srgb};
 
@@ -107,6 +107,7 @@ impl Views {
             extraction: Extraction::Batched,
             gather: Gather::Single,
             format: LeafFormat::WIDE,
+            occlusion: Occlusion::None,
         };
         let model = Kind::LodfStamps.model(crown, options);
         let shared = model.upload(&mut device, &environment)?;

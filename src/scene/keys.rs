@@ -3,8 +3,8 @@
 use crate::limits;
 
 use super::{
-    CriterionName, DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, RecordWidth,
-    TrunkMode, TrunkName, VertexFormat,
+    CriterionName, DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, Occlusion,
+    RecordWidth, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// One key of a scene file.
@@ -332,6 +332,8 @@ pub const KEYS: &[Key] = &[
         "Leaf records with vertex numbers of 4 bytes, or of 2 within the cluster."),
     key("model.vertices", Kind::Choice(VertexFormat::NAMES), "", Absent::Value("\"float\""),
         "Vertices of 12 bytes, or of 8 on a grid in the crown's box."),
+    key("model.occlusion", Kind::Choice(Occlusion::NAMES), "", Absent::Value("\"none\""),
+        "In mode device: clusters that are hidden by what was seen in the frame before are left out."),
     key("model.stop_leaves", Kind::Integer { min: 1, max: 16_000_000 }, "leaves", Absent::Rule("the species'"),
         "Simplification stops at so many leaves."),
     key("model.level", Kind::Number { min: 0.0, max: 1.0 }, "", Absent::Rule("by distance"),

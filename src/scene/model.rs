@@ -158,6 +158,16 @@ choices! {
     }
 }
 
+choices! {
+    /// What a device that selects by itself leaves out beside what lies out of sight.
+    Occlusion {
+        /// Nothing.
+        None = "none",
+        /// What is hidden by what was seen in the frame before.
+        TwoPhase = "two-phase",
+    }
+}
+
 impl ModelName {
     /// The modes that the system has, the usual one first.
     #[must_use]
@@ -196,6 +206,8 @@ pub struct ModelChoice {
     pub records: RecordWidth,
     /// How exact vertices are.
     pub vertices: VertexFormat,
+    /// What the device leaves out: something in mode `device` only.
+    pub occlusion: Occlusion,
     /// The leaf count at which simplification stops, in place of the species'.
     pub stop_leaves: Option<u32>,
     /// A fixed level from 0 (all leaves) to 1 (fewest), in place of distance.

@@ -14,8 +14,8 @@ use super::value::is_name;
 use super::{
     Area, Camera, CameraKey, CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction,
     Forest, ForestChoice, ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode,
-    ModelChoice, ModelName, NoRoom, PlantSource, Projection, RecordWidth, SampleCount, Scene,
-    SceneError, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
+    ModelChoice, ModelName, NoRoom, Occlusion, PlantSource, Projection, RecordWidth, SampleCount,
+    Scene, SceneError, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -370,6 +370,7 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         gather: Gather::from_name(&name("gather")?).expect(NAMED),
         records: RecordWidth::from_name(&name("records")?).expect(NAMED),
         vertices: VertexFormat::from_name(&name("vertices")?).expect(NAMED),
+        occlusion: Occlusion::from_name(&name("occlusion")?).expect(NAMED),
         stop_leaves: table.get("stop_leaves")?.map(small),
         level: table.get("level")?,
         criterion: CriterionName::from_name(&name("criterion")?).expect(NAMED),

@@ -4,8 +4,9 @@ use crate::math::{Digest, Digester, Vec3};
 
 use super::value::BYTE_UNITS;
 use super::{
-    Camera, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice, PlantSource,
-    Projection, RecordWidth, SCHEMA, Scene, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
+    Camera, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice, Occlusion,
+    PlantSource, Projection, RecordWidth, SCHEMA, Scene, Terrain, Tree, TrunkMode, TrunkName,
+    VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -216,6 +217,7 @@ fn write_model(text: &mut Text, model: &ModelChoice) {
     text.key("gather", &quoted(model.gather.name()));
     text.key("records", &quoted(model.records.name()));
     text.key("vertices", &quoted(model.vertices.name()));
+    text.key("occlusion", &quoted(model.occlusion.name()));
     if let Some(leaves) = model.stop_leaves {
         text.key("stop_leaves", &leaves.to_string());
     }
@@ -364,6 +366,9 @@ fn digest_model(digester: &mut Digester, model: &ModelChoice) {
     }
     if model.vertices != VertexFormat::Float {
         digester.text("vertices").u32(model.vertices as u32);
+    }
+    if model.occlusion != Occlusion::None {
+        digester.text("occlusion").u32(model.occlusion as u32);
     }
 }
 

@@ -3,12 +3,12 @@
 use super::device::{Change, Counted, DeviceModel, Picture, Reads, Resource};
 use super::watch::Watch;
 use crate::gpu::{
-    Card, Command, Device, DeviceDescriptor, GpuError, Link, Load, RenderPass, TargetDescriptor,
-    TargetId,
+    Card, Device, DeviceDescriptor, GpuError, Link, Load, RenderPass, TargetDescriptor, TargetId,
 };
 use crate::math::{Mat4, Vec3, Vec4};
 use crate::models::{
     Environment, Kind, Model, Placement, Resident, Shared, State, TrunkLevel, TrunkModel, View,
+    frame_commands,
 };
 use crate::raster::{Counters, Options, Samples, TileSize};
 
@@ -96,7 +96,16 @@ impl<S> Stage<S> {
     ) -> Result<Self, GpuError> {
         let mut device = Device::new(descriptor);
         device.record();
-        let environment = Environment::of_kind(&mut device, 1, kind)?;
+        let target = device.create_target(&TargetDescriptor {
+            label: "frame",
+            width: side,
+            height: side,
+            samples: Samples::One,
+        })?;
+        let mut environment = Environment::of_kind(&mut device, 1, kind)?;
+        if kind.selects() {
+            environment.occlude(&mut device, target)?;
+        }
         let view = View {
             clip_from_world: Mat4::from_scale(Vec3::new(0.7, 0.7, 0.3))
                 * Mat4::from_translation(Vec3::new(0.0, 0.0, 1.6)),
@@ -108,12 +117,6 @@ impl<S> Stage<S> {
         environment.place(&mut device.queue(), 0, &Placement::IDENTITY)?;
         let shared = upload(&mut device, &environment)?;
         let resident = shared.instance(&mut device, state, 0)?;
-        let target = device.create_target(&TargetDescriptor {
-            label: "frame",
-            width: side,
-            height: side,
-            samples: Samples::One,
-        })?;
         Ok(Self {
             watch: Watch::of(&device),
             device,
@@ -136,9 +139,8 @@ impl<S> Stage<S> {
             load,
             steps,
         };
-        let mut commands = Vec::new();
-        self.resident.prepare(&mut commands);
-        commands.push(Command::Render(pass));
+        let residents = std::iter::once(&*self.resident);
+        let commands = frame_commands(&self.environment, pass, residents);
         self.device.queue().submit(&commands).expect("a sound pass");
         self.device.present(self.target).expect("the target exists")
     }

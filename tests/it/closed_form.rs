@@ -372,7 +372,7 @@ impl<'f> Expected<'f> {
             }
             Kind::LodfStamps => (4 + u64::from(self.compact), 20),
             // One command for all clusters; before it a compute pass: program, seven buffers, dispatch.
-            Kind::LodfDevice => (3 + u64::from(self.compact), 20 + 8 * (1 + 7) + 16),
+            Kind::LodfDevice => (4 + u64::from(self.compact), 20 + 8 * (1 + 7) + 16),
         };
         let bound = bound + u64::from(self.compact) + u64::from(self.quantised);
         24 + 8 * (4 + textures + bound) + draws

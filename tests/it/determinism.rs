@@ -270,7 +270,7 @@ const PINNED: &str = "\
 plant     4ae92bd6d54fa6377c8c9c1e3501322ac399bff1d6c3c812931a0865c52e4100
 collapses a69d75b925183f1628f0f31dd941c48790ade55e5a9a6d22ec8252ab156ce0b7
 pictures  7380c584cc663ede341f331f86029edd742f1629d838aea054a67ea46caceba2
-ledgers   d79a7167776bdb8466fd3b41dd4337540514bf01597fde00c363c4b4427caf38
+ledgers   ab3f2e81660ef3fd2fe9c93a837c99f0eae1c3f6bbef97911a967f4c9d26667a
 ";
 
 /// A ledger as files have it: the entry of a frame, then each transfer.

@@ -22,6 +22,7 @@ mod laws;
 mod layering;
 mod mass;
 mod model_contracts;
+mod occlusion;
 mod program;
 mod raster;
 mod report;

@@ -7,8 +7,8 @@ use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_oneof, proptest};
 use spinney::math::{index_u32, index_usize};
 use spinney::models::{
-    Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Records, State, TrunkKind,
-    TrunkLevel,
+    Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, State,
+    TrunkKind, TrunkLevel,
 };
 use spinney::scene::{TrunkMode, TrunkName};
 use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
@@ -40,6 +40,11 @@ pub(crate) fn options(choice: u64) -> ModelOptions {
             Gather::Regions
         },
         format: LeafFormat::ALL[index_usize(choice >> 2 & 3)],
+        occlusion: if choice & 16 == 0 {
+            Occlusion::None
+        } else {
+            Occlusion::TwoPhase
+        },
     }
 }
 

@@ -163,6 +163,6 @@ fn files_that_are_missing_from_a_shard_are_a_fault_of_the_input() {
     done(folder, "merge s0 s1 -o whole");
     // What cannot be written is the other fault.
     std::fs::write(folder.join("file"), "").expect("writable");
-    let output = spinney(folder, "merge s0 s1 -o file/joined");
+    let output = spinney(folder, &words("merge s0 s1 -o file/joined"));
     assert_eq!(output.status.code(), Some(4), "{output:?}");
 }

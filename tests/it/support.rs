@@ -11,8 +11,8 @@ use spinney::document::Document;
 use spinney::gpu::DeviceDescriptor;
 use spinney::math::{Draws, Stream, Vec2, Vec3, det, index_u32, index_usize};
 use spinney::models::{
-    Crown, Extraction, Gather, Kind, LeafFormat, Model, ModelOptions, State, Trunk, TrunkKind,
-    TrunkLevel,
+    Crown, Extraction, Gather, Kind, LeafFormat, Model, ModelOptions, Occlusion, State, Trunk,
+    TrunkKind, TrunkLevel,
 };
 use spinney::plant::{Foliage, LeafGroup, Material, Mesh, NO_BRANCH, Plant, Prototype, Texture};
 use spinney::raster::Image;
@@ -327,6 +327,7 @@ pub(crate) const OPTIONS: ModelOptions = ModelOptions {
     extraction: Extraction::Batched,
     gather: Gather::Single,
     format: LeafFormat::WIDE,
+    occlusion: Occlusion::None,
 };
 
 /// Stages where memory suffices.

@@ -18,34 +18,36 @@
 //! that dictates it: a uniform one sends how far the sequence has gone (4 B), a variable one the count of
 //! every cluster that differs from the last variable one (4 B each), as stamps do.
 //!
-//! Clusters whose box lies outside of the view are not drawn. The test leaves more room than `f32` rounds
-//! away, so no picture depends on it.
+//! Clusters whose box lies outside of the view are not drawn, nor, [if asked for](Occlusion::TwoPhase),
+//! those that are [hidden](super::super::reveal_pass). The tests leave more room than `f32` rounds away, so
+//! no picture depends on them.
+//!
+//! All instances of a species lie in [rooms](super::rooms) of the same buffers: one dispatch selects for
+//! all, one command draws all, however many there are.
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::sync::Arc;
 
-use super::super::environment::{INSTANCE_SLOT, Lens, VIEW_SLOT};
+use super::super::environment::Lens;
 use super::super::expand_pass::{
     EXPANDED_CROWN_SLOT, EXPANDED_RECORD_SLOT, LEAF_NUMBER_SLOT, MASK_SLOT, OPERAND_SLOT,
     collapse_bytes, collapse_sizes, expand_groups,
 };
 use super::super::format::LeafBytes;
-use super::super::leaf::{
-    COUNT_SLOT, LeafSource, RECORD_SLOT, VERTEX_SLOT, WINDOW_FIRST_VERTEX_SLOT, stamped_words,
-};
-use super::super::select_pass::{
-    ARGUMENT_SLOT, CAMERA, CAMERA_SLOT, COLLAPSES_SLOT, CROWN_SLOT, DETAIL_SLOT, VARIABLE,
-    crown_bytes, crown_size, group_count,
-};
-use super::super::surface::{LEAF_GROUP, Surface, Uploaded, filled};
+use super::super::leaf::{RECORD_SLOT, VERTEX_SLOT, WINDOW_FIRST_VERTEX_SLOT, stamped_words};
+use super::super::select_pass::{CAMERA, VARIABLE, crown_bytes, crown_size};
+use super::super::surface::{Surface, Uploaded, filled};
 use super::super::{
-    Change, Crown, Environment, Kind, Model, ModelOptions, Records, Resident, Shared, State,
-    Storage,
+    Change, Crown, Environment, Kind, Model, ModelOptions, Occlusion, Records, Resident, Shared,
+    State, Storage,
 };
+use super::rooms::{Lodging, Rooms, computed_size, detail_size};
 use super::slots::send;
 use super::{Gather, first_vertex_bytes, host_bytes, host_size};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Command, ComputePass, ComputeStep, Corners, Device,
-    DrawIndirect, GpuError, IndirectRecord, Queue, Region, Residency, Step, Usage,
+    BufferDescriptor, BufferId, Cause, Command, ComputePass, ComputeStep, Device, GpuError, Queue,
+    Region, Residency, Step, Usage,
 };
 use crate::math::index_u32;
 
@@ -57,13 +59,15 @@ const RECORDS: Cause = Cause::of("records");
 /// Host memory: the structures of [`host_bytes`]. Device memory: the vertices, each leaf's record with
 /// birth and cluster (24 bytes; 16 with a compact record), and the [crown](super::super::select_pass), once;
 /// with compact records also the first vertex of each cluster (4 bytes), and what they were
-/// [expanded](super::super::expand_pass) from (8½ bytes a collapse), which is sent in their place; for each instance its detail (8 bytes, and 4 a cluster),
-/// and what the device computes: 4 bytes and 16 bytes of draw arguments a cluster.
+/// [expanded](super::super::expand_pass) from (8½ bytes a collapse), which is sent in their place; for each
+/// instance its detail (8 bytes, and 4 a cluster), and what the device computes: 4 bytes and 16 bytes of
+/// draw arguments a cluster, twice where what is hidden is left out.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Refined {
     crown: Arc<Crown>,
     leaves: LeafBytes,
     gather: Gather,
+    occlusion: Occlusion,
 }
 
 impl Refined {
@@ -72,6 +76,7 @@ impl Refined {
             leaves: LeafBytes::new(&crown, options.format),
             crown,
             gather: options.gather,
+            occlusion: options.occlusion,
         }
     }
 
@@ -179,6 +184,7 @@ impl Model for Refined {
             uploaded: Uploaded { model, surface },
             pulled,
             crown: crown_buffer,
+            rooms: RefCell::new(None),
         }))
     }
 
@@ -202,7 +208,7 @@ impl Model for Refined {
                 + self.record_size()
                 + compact
                 + crown_size(&self.crown),
-            instance_bytes: 8 + (4 + 4 + IndirectRecord::STRIDE) * u64::from(roots),
+            instance_bytes: detail_size(roots) + computed_size(roots, self.occlusion),
             // Of a variable state, beside what the device holds while it follows the camera.
             instance_host_bytes: 8 + 8 * u64::from(roots),
         }
@@ -217,6 +223,38 @@ struct RefinedShared {
     /// What the vertex stage pulls, by slot.
     pulled: Vec<(u32, BufferId)>,
     crown: BufferId,
+    /// Those that were made last.
+    rooms: RefCell<Option<Rc<Rooms>>>,
+}
+
+impl RefinedShared {
+    /// A room for an instance, in new rooms where all are taken.
+    fn room(&self, device: &mut Device) -> Result<(Rc<Rooms>, u32), GpuError> {
+        let present = self.rooms.borrow().clone();
+        if let Some(rooms) = present
+            && let Some(room) = rooms.take()
+        {
+            return Ok((rooms, room));
+        }
+        let Uploaded { model, surface } = &self.uploaded;
+        let sequence = model.crown.sequence();
+        let rooms = Rooms::new(
+            device,
+            &Lodging {
+                environment: &self.environment,
+                lens: self.lens,
+                surface,
+                pulled: &self.pulled,
+                crown: self.crown,
+                clusters: sequence.root_count(),
+                records: sequence.record_count(),
+                occlusion: model.occlusion,
+            },
+        )?;
+        let room = rooms.take().expect("there is at least one, and it is new");
+        *self.rooms.borrow_mut() = Some(Rc::clone(&rooms));
+        Ok((rooms, room))
+    }
 }
 
 impl Shared for RefinedShared {
@@ -226,74 +264,35 @@ impl Shared for RefinedShared {
         state: &State,
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
-        let Uploaded { model, surface } = &self.uploaded;
+        let model = &self.uploaded.model;
         let roots = model.crown.sequence().root_count();
         let (source, wanted) = match state {
             State::Uniform { collapses } => (*collapses, vec![0; roots as usize]),
             State::Variable { counts } => (VARIABLE, counts.clone()),
         };
-        let detail = [&[source, number], &wanted[..]].concat();
-        let detail: Vec<u8> = detail.into_iter().flat_map(u32::to_le_bytes).collect();
-        let detail = filled(device, "detail", Usage::STORAGE, &detail, RECORDS)?;
-        let mut computed = |label, stride, usage| {
-            device.create_buffer(&BufferDescriptor {
-                label,
-                size: stride * u64::from(roots),
-                usage,
-                residency: Residency::Device,
-            })
-        };
-        let collapses = computed("cluster collapses", 4, Usage::STORAGE)?;
-        let usage = Usage::STORAGE | Usage::INDIRECT;
-        let arguments = computed("draw arguments", IndirectRecord::STRIDE, usage)?;
-
-        let mut select = vec![ComputeStep::Program(self.lens.select)];
-        let shared = self.environment.shared_buffers();
-        for (slot, buffer) in [
-            (VIEW_SLOT, shared[0]),
-            (INSTANCE_SLOT, shared[1]),
-            (CAMERA_SLOT, self.lens.camera),
-            (CROWN_SLOT, self.crown),
-            (DETAIL_SLOT, detail),
-            (COLLAPSES_SLOT, collapses),
-            (ARGUMENT_SLOT, arguments),
-        ] {
-            select.push(ComputeStep::Storage { slot, buffer });
-        }
-        let groups = group_count(roots);
-        select.push(ComputeStep::Dispatch { groups });
-
-        let mut steps = Vec::new();
-        surface.bind(LeafSource::Windowed, &mut steps);
-        let own = [(COUNT_SLOT, collapses)];
-        for (slot, buffer) in self.pulled.iter().copied().chain(own) {
-            steps.push(Step::Storage { slot, buffer });
-        }
-        steps.push(Step::MultiDrawIndirect(DrawIndirect {
-            source: Corners::Counted,
-            arguments,
-            offset: 0,
-            count: roots,
-            group: LEAF_GROUP,
-        }));
-        Ok(Box::new(RefinedResident {
+        let (rooms, room) = self.room(device)?;
+        let resident = RefinedResident {
             model: model.clone(),
-            detail,
-            select,
-            steps,
+            rooms,
+            room,
             state: state.clone(),
             source,
             wanted,
-        }))
+        };
+        let detail = [&[source, number], &resident.wanted[..]].concat();
+        let detail: Vec<u8> = detail.into_iter().flat_map(u32::to_le_bytes).collect();
+        let (buffer, at) = (resident.rooms.detail, resident.detail_at(0));
+        device.queue().write(buffer, at, &detail, RECORDS)?;
+        Ok(Box::new(resident))
     }
 }
 
 #[derive(Debug)]
 struct RefinedResident {
     model: Refined,
-    detail: BufferId,
-    select: Vec<ComputeStep>,
-    steps: Vec<Step>,
+    rooms: Rc<Rooms>,
+    /// The first one issues the commands for all.
+    room: u32,
     state: State,
     /// What the detail holds, also where the present source does not read it.
     source: u32,
@@ -328,10 +327,9 @@ impl Resident for RefinedResident {
     }
 
     fn prepare(&self, commands: &mut Vec<Command>) {
-        commands.push(Command::Compute(ComputePass {
-            label: "select".to_owned(),
-            steps: self.select.clone(),
-        }));
+        if self.room == 0 {
+            self.rooms.prepare(commands);
+        }
     }
 
     fn price(&self, to: &State) -> u64 {
@@ -355,11 +353,31 @@ impl Resident for RefinedResident {
     }
 
     fn draw(&self, steps: &mut Vec<Step>) {
-        steps.extend_from_slice(&self.steps);
+        if self.room == 0 {
+            self.rooms.draw(steps);
+        }
+    }
+
+    fn reveal(&self, commands: &mut Vec<Command>) {
+        if self.room == 0 {
+            self.rooms.reveal(commands);
+        }
+    }
+
+    fn draw_revealed(&self, steps: &mut Vec<Step>) {
+        if self.room == 0 {
+            self.rooms.draw_revealed(steps);
+        }
     }
 }
 
 impl RefinedResident {
+    /// Where a byte of its detail lies.
+    fn detail_at(&self, byte: u64) -> u64 {
+        let size = detail_size(self.model.crown.sequence().root_count());
+        size * u64::from(self.room) + byte
+    }
+
     fn go_over(
         &mut self,
         queue: &mut Queue<'_>,
@@ -374,8 +392,8 @@ impl RefinedResident {
         let regions: Vec<Region<'_>> = words
             .iter()
             .map(|(offset, bytes, cause)| Region {
-                buffer: self.detail,
-                offset: *offset,
+                buffer: self.rooms.detail,
+                offset: self.detail_at(*offset),
                 bytes,
                 cause: *cause,
             })

@@ -15,6 +15,7 @@ mod blocks;
 mod device;
 mod groups;
 mod host;
+mod rooms;
 mod slots;
 mod stamps;
 

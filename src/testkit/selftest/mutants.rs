@@ -12,7 +12,7 @@ use super::super::{
 use super::Counterexample;
 use super::enumerate::{Extent, SingleSteps, first, flat_crown};
 use super::tamper::{DeviceFault, Tampered};
-use crate::models::{Extraction, Gather, Kind, LeafFormat, ModelOptions, State};
+use crate::models::{Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, State};
 
 /// What is taken through the cases.
 #[derive(Debug, Clone, Copy)]
@@ -196,6 +196,7 @@ const OPTIONS: ModelOptions = ModelOptions {
     extraction: Extraction::Batched,
     gather: Gather::Single,
     format: LeafFormat::WIDE,
+    occlusion: Occlusion::None,
 };
 
 impl Subject {

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::super::device::{Change, Counted, DeviceModel, Picture, Reads, Resource};
 use super::super::{History, Meddled, Meddling, Stage};
 use crate::gpu::{Corners, Draw, DrawFromCounter, DrawIndirect, Step};
-use crate::models::{Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, State};
+use crate::models::{
+    Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion, State,
+};
 
 /// What is wrong in a device model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,6 +52,7 @@ const OPTIONS: ModelOptions = ModelOptions {
     extraction: Extraction::Batched,
     gather: Gather::Single,
     format: LeafFormat::WIDE,
+    occlusion: Occlusion::None,
 };
 
 impl Tampered {

@@ -145,8 +145,9 @@ impl ComputeProgram for Depths {
     }
 
     fn run(&self, group: &mut Group<'_>) {
-        assert_eq!(group.size(0), [4, 2]);
-        assert_eq!((group.size(1), group.len(0)), ([0, 0], 0));
+        assert_eq!(group.size(0), [4, 2], "of the target");
+        assert_eq!(group.size(1), [0, 0], "a buffer has no columns");
+        assert_eq!(group.len(0), 0, "and a depth no words");
         for x in 0..4 {
             let depth = group.farthest_depth(0, [x, group.number()]);
             group.set(1, x as usize, depth.to_bits());
@@ -187,7 +188,7 @@ fn the_depth_of_a_target_is_read_and_counted_sample_by_sample() {
         submitted.expect("a sound pass");
         let held = device.inspect_buffer(buffers[1]).expect("it lives");
         let wanted = [[0.625_f32; 8].as_slice(), &[0.0; 4]].concat();
-        let wanted = super::words(wanted.into_iter().map(f32::to_bits));
+        let wanted = words(wanted.into_iter().map(f32::to_bits));
         assert_eq!(held, wanted, "beside the target nothing is far");
         let ledger = device.take_ledger();
         assert_eq!(ledger.compute.bytes, 8 * bytes + 12 * 4);
