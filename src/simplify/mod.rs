@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Plant.foliage ─collapse_leaves─▶ CollapseSequence ─Clusters::of─▶ Clusters
-//!   quad leaves                      old1, old2 → new                 arrays in consumption order
+//!   quad leaves ─prune_leaves────▶   old1, old2 → new                 arrays in consumption order
 //!                                        │
 //!                                        ├─measure_leaves──▶ area, folds of a level
 //!                                        └─Accounting──────▶ bytes, beside what the papers print
@@ -13,13 +13,14 @@
 //!
 //! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
 //! consumed at most once, only after it exists, and every new leaf uses vertices of its own
-//! originals with their corner roles kept. A [`VertexCollapses`] moves vertices to vertices with higher
+//! originals with their corner roles kept, or brings four of its own. A [`VertexCollapses`] moves vertices to vertices with higher
 //! numbers, so that what is gone is always a first part of them all.
 
 mod clusters;
 mod leaves;
 mod measure;
 mod mesh;
+mod pruning;
 mod published;
 mod sequence;
 mod storage;
@@ -32,6 +33,7 @@ pub use mesh::{
     VERTEX_COLLAPSE_VERSION, VertexCollapse, VertexCollapseOptions, VertexCollapses,
     collapse_vertices, lowest_first, simplify_mesh, strips_of,
 };
+pub use pruning::{PruningOptions, hand_on_areas, prune_leaves};
 pub use published::{Erratum, PUBLISHED_ROWS, PublishedCell, PublishedRow};
 #[cfg(test)]
 pub(crate) use sequence::examples;

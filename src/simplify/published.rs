@@ -63,6 +63,7 @@ impl PublishedRow {
         StorageCounts {
             leaves: self.originals,
             collapses: self.leaves - self.originals,
+            added_vertices: 0,
         }
     }
 

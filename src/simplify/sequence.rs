@@ -1,6 +1,6 @@
 //! The common product of leaf simplification: collapses in order, with replay and undo.
 
-use crate::math::{Digest, Digester, index_u32};
+use crate::math::{Digest, Digester, Vec3, index_u32};
 
 /// One leaf collapse `(old1, old2) → new`; the new leaf's number follows from the position in the
 /// sequence ([RRCGR](crate::references), eq. 1 and 2).
@@ -13,27 +13,64 @@ pub struct Collapse {
 }
 
 /// Leaf collapses over `L` original leaves: op `k` makes leaf `L + k`.
+///
+/// Vertices are numbered four a leaf:
+///
+/// ```text
+///  0 … 4 L              4 L …
+///  original leaves'     added: four of its own for each new leaf that has such
+/// ```
+///
+/// A new leaf takes each corner from one of its operands, or brings four vertices of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CollapseSequence {
     original_count: u32,
     corners: Vec<[u32; 4]>,
     collapses: Vec<Collapse>,
+    added: Vec<Vec3>,
+    owners: Vec<Owner>,
+}
+
+/// Whose four added vertices are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Owner {
+    /// The new leaf that brings them.
+    leaf: u32,
+    /// The original leaf that is left of it.
+    original: u32,
 }
 
 impl CollapseSequence {
-    /// A checked sequence.
-    ///
-    /// `corners` holds four vertex indices a leaf, in the order of corner roles: the originals', then
-    /// one new leaf a collapse.
+    /// A checked sequence whose new leaves take all their corners from their operands.
     ///
     /// # Errors
     ///
-    /// When counts disagree, a collapse names a leaf that does not exist yet or is gone already, or
-    /// a new leaf uses a vertex that neither of its operands has in that role.
+    /// As [`with_vertices`](Self::with_vertices).
     pub fn new(
         original_count: u32,
         corners: Vec<[u32; 4]>,
         collapses: Vec<Collapse>,
+    ) -> Result<Self, SequenceError> {
+        Self::with_vertices(original_count, corners, collapses, Vec::new())
+    }
+
+    /// A checked sequence.
+    ///
+    /// `corners` holds four vertex indices a leaf, in the order of corner roles: the originals', then
+    /// one new leaf a collapse. `added` holds the vertices that collapses add, numbered from
+    /// `4 L` on, in the originals' space; a leaf that brings some is a changed `old[0]`.
+    ///
+    /// # Errors
+    ///
+    /// When counts disagree, a collapse names a leaf that does not exist yet or is gone already, an
+    /// original leaf uses a vertex that is none of the originals', or a new leaf uses one that neither
+    /// of its operands has in that role and that is not one of four of its own; when added vertices
+    /// are not finite, or are no leaf's.
+    pub fn with_vertices(
+        original_count: u32,
+        corners: Vec<[u32; 4]>,
+        collapses: Vec<Collapse>,
+        added: Vec<Vec3>,
     ) -> Result<Self, SequenceError> {
         let wanted = original_count as usize + collapses.len();
         if corners.len() != wanted {
@@ -42,6 +79,18 @@ impl CollapseSequence {
                 wanted,
             });
         }
+        let first_added = 4 * u64::from(original_count);
+        for (leaf, own) in (0..original_count).zip(&corners) {
+            if let Some(&vertex) = own.iter().find(|&&vertex| u64::from(vertex) >= first_added) {
+                return Err(SequenceError::Original { leaf, vertex });
+            }
+        }
+        if let Some(vertex) = added.iter().position(|vertex| !vertex.is_finite()) {
+            return Err(SequenceError::NotFinite { vertex });
+        }
+        let mut owners = vec![None; added.len().div_ceil(4)];
+        // By leaf: the original that is left of it.
+        let mut left: Vec<u32> = (0..original_count).collect();
         let mut gone = vec![false; corners.len()];
         for (op, collapse) in collapses.iter().enumerate() {
             let exists = original_count as usize + op;
@@ -57,6 +106,16 @@ impl CollapseSequence {
                     return Err(SequenceError::Gone { op, leaf: old });
                 }
             }
+            left.push(left[collapse.old[0] as usize]);
+            let own = own_block(corners[exists], first_added);
+            let free = own.and_then(|block| owners.get_mut(block));
+            if let Some(free @ None) = free {
+                *free = Some(Owner {
+                    leaf: index_u32(exists),
+                    original: left[exists],
+                });
+                continue;
+            }
             let [first, second] = collapse.old.map(|old| corners[old as usize]);
             for (role, &vertex) in corners[exists].iter().enumerate() {
                 if vertex != first[role] && vertex != second[role] {
@@ -64,11 +123,51 @@ impl CollapseSequence {
                 }
             }
         }
+        let owned = owners.iter().flatten().count();
+        if 4 * owned != added.len() {
+            return Err(SequenceError::Added {
+                found: added.len(),
+                wanted: 4 * owned,
+            });
+        }
         Ok(Self {
             original_count,
             corners,
             collapses,
+            added,
+            owners: owners.into_iter().flatten().collect(),
         })
+    }
+
+    /// The vertices that collapses add, numbered from `4 L` on: four for each leaf that has its own.
+    #[must_use]
+    pub fn added_vertices(&self) -> &[Vec3] {
+        &self.added
+    }
+
+    /// The leaf, old or new, that brings a vertex.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such vertex.
+    #[must_use]
+    pub fn leaf_of_vertex(&self, vertex: u32) -> u32 {
+        let leaf = vertex / 4;
+        let added = leaf.checked_sub(self.original_count);
+        added.map_or(leaf, |block| self.owners[block as usize].leaf)
+    }
+
+    /// The original leaf that a vertex is of: the one that brings it, or what is left of in the new
+    /// leaf that brings it, which is `old[0]` at each collapse.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such vertex.
+    #[must_use]
+    pub fn original_of_vertex(&self, vertex: u32) -> u32 {
+        let leaf = vertex / 4;
+        let added = leaf.checked_sub(self.original_count);
+        added.map_or(leaf, |block| self.owners[block as usize].original)
     }
 
     /// How many leaves the full foliage has (`L`).
@@ -132,10 +231,15 @@ impl CollapseSequence {
     }
 
     /// The digest of the sequence: BLAKE3 over the domain `spinney.collapses/1`, `L` and `C` as
-    /// `u32`, four `u32` a leaf record, two `u32` and the bits of the cost a collapse.
+    /// `u32`, four `u32` a leaf record, two `u32` and the bits of the cost a collapse; where collapses
+    /// add vertices, the domain is `spinney.collapses/2`, and their three `f32` each come last.
     #[must_use]
     pub fn digest(&self) -> Digest {
-        let mut digester = Digester::new("spinney.collapses/1");
+        let mut digester = Digester::new(if self.added.is_empty() {
+            "spinney.collapses/1"
+        } else {
+            "spinney.collapses/2"
+        });
         digester.u32(self.original_count).u32(self.collapse_count());
         for &vertex in self.corners.iter().flatten() {
             digester.u32(vertex);
@@ -146,8 +250,22 @@ impl CollapseSequence {
                 .u32(collapse.old[1])
                 .f32(collapse.cost);
         }
+        for vertex in &self.added {
+            digester.vec3(*vertex);
+        }
         digester.finish()
     }
+}
+
+/// Which four added vertices, in order, a leaf's corners are; `None` if not such.
+fn own_block(corners: [u32; 4], first_added: u64) -> Option<usize> {
+    let first = u64::from(corners[0]).checked_sub(first_added)?;
+    let in_order = (0..4)
+        .zip(corners)
+        .all(|(role, vertex)| u64::from(vertex) == first_added + first + role);
+    usize::try_from(first / 4)
+        .ok()
+        .filter(|_| in_order && first % 4 == 0)
 }
 
 /// Why collapses do not make a sequence.
@@ -180,8 +298,33 @@ pub enum SequenceError {
         /// Which leaf.
         leaf: u32,
     },
+    /// An original leaf has a corner that is none of the originals' vertices.
+    #[error("original leaf {leaf} has vertex {vertex}, which is no original leaf's")]
+    Original {
+        /// Which leaf.
+        leaf: u32,
+        /// The vertex found.
+        vertex: u32,
+    },
+    /// A vertex that collapses add is not finite.
+    #[error("added vertex {vertex} is not finite")]
+    NotFinite {
+        /// Which one, from 0.
+        vertex: usize,
+    },
+    /// There are other added vertices than those of new leaves.
+    #[error("{found} added vertices, wanted {wanted}: four for each new leaf that has its own")]
+    Added {
+        /// Vertices given.
+        found: usize,
+        /// Vertices that new leaves have.
+        wanted: usize,
+    },
     /// A new leaf takes a vertex from elsewhere.
-    #[error("collapse {op} gives role {role} vertex {vertex}, which neither old leaf has there")]
+    #[error(
+        "collapse {op} gives role {role} vertex {vertex}, which neither old leaf has there, nor the new \
+         one alone"
+    )]
     Corner {
         /// Which collapse.
         op: usize,
@@ -265,6 +408,68 @@ mod tests {
                 role: 3,
                 vertex: 11,
                 ..
+            })
+        ));
+    }
+
+    #[test]
+    fn new_leaves_may_bring_vertices() {
+        let collapse = |a, b| Collapse {
+            old: [a, b],
+            cost: 0.0,
+        };
+        let block = |block: u32| [0, 1, 2, 3].map(|role| 4 * block + role);
+        // Leaf 3 is a changed leaf 1 with block 4, leaf 4 a changed leaf 3 with block 3.
+        let corners = || (0..3).chain([4, 3]).map(block).collect::<Vec<_>>();
+        let collapses = || vec![collapse(1, 0), collapse(3, 2)];
+        let added = |count: u8| {
+            (0..count)
+                .map(|at| Vec3::splat(at.into()))
+                .collect::<Vec<_>>()
+        };
+        let with = |corners, added| CollapseSequence::with_vertices(3, corners, collapses(), added);
+        let sequence = with(corners(), added(8)).expect("sound");
+        assert_eq!(sequence.added_vertices()[5], Vec3::splat(5.0));
+        let vertices = [0, 7, 11, 12, 15, 16, 19];
+        let leaves = vertices.map(|vertex| sequence.leaf_of_vertex(vertex));
+        assert_eq!(leaves, [0, 1, 2, 4, 4, 3, 3]);
+        let originals = vertices.map(|vertex| sequence.original_of_vertex(vertex));
+        assert_eq!(originals, [0, 1, 2, 1, 1, 1, 1]);
+        let mut moved = added(8);
+        moved[7].x = 9.0;
+        let moved_digest = with(corners(), moved).expect("sound").digest();
+        assert_ne!(moved_digest, sequence.digest());
+
+        let mut endless = added(8);
+        endless[2].y = f32::INFINITY;
+        let found = with(corners(), endless);
+        assert!(matches!(found, Err(SequenceError::NotFinite { vertex: 2 })));
+        for count in [7, 9, 12] {
+            let found = with(corners(), added(count));
+            let wanted = matches!(found, Err(SequenceError::Added { wanted: 8, .. }));
+            assert!(wanted, "{count}: {found:?}");
+        }
+        let changed = |leaf: usize, wanted: [u32; 4]| {
+            let mut corners = corners();
+            corners[leaf] = wanted;
+            with(corners, added(8))
+        };
+        for wanted in [
+            block(3),
+            [17, 18, 19, 16],
+            [16, 1, 2, 3],
+            block(5),
+            [u32::MAX; 4],
+        ] {
+            let found = changed(3, wanted);
+            assert!(found.is_err(), "{wanted:?}: {found:?}");
+        }
+        let found = changed(2, block(3));
+        assert!(matches!(
+            found,
+            Err(SequenceError::Original {
+                leaf: 2,
+                vertex: 12
             })
         ));
     }

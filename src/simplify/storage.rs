@@ -10,11 +10,13 @@
 //! ```
 //!
 //! `L` originals and `C` collapses make `V = 4 L` vertices, `L + C` leaf records and `G = L − C`
-//! clusters. The first two rows give the papers' tables to the printed digit; the structures that
+//! clusters. Where collapses add `A` vertices, as [pruning](super::prune_leaves) does, `V = 4 L + A` in
+//! all rows but the first: 12 bytes each, also on top of what is printed. The first two rows give the papers' tables to the printed digit; the structures that
 //! the papers list give a quarter more than the sizes that they print, so reports show
 //! both. All arithmetic is in integers.
 
 use super::CollapseSequence;
+use crate::math::index_u32;
 
 /// How much foliage a model stores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,6 +25,8 @@ pub struct StorageCounts {
     pub leaves: u32,
     /// Collapses, `C`; below `L` unless both are 0.
     pub collapses: u32,
+    /// Vertices that collapses add, `A`.
+    pub added_vertices: u32,
 }
 
 impl StorageCounts {
@@ -32,13 +36,15 @@ impl StorageCounts {
         Self {
             leaves: sequence.original_count(),
             collapses: sequence.collapse_count(),
+            added_vertices: index_u32(sequence.added_vertices().len()),
         }
     }
 
-    /// `V = 4 L`: no collapse makes a vertex ([RCRG06](crate::references), eq. 3 and 4).
+    /// `V = 4 L + A`; in the papers no collapse makes a vertex ([RCRG06](crate::references), eq. 3 and
+    /// 4).
     #[must_use]
     pub fn vertices(self) -> u64 {
-        4 * u64::from(self.leaves)
+        4 * u64::from(self.leaves) + u64::from(self.added_vertices)
     }
 
     /// Leaf records, old and new: `L + C`.
@@ -121,9 +127,10 @@ impl Accounting {
         let leaves = u64::from(counts.leaves);
         let collapses = u64::from(counts.collapses);
         let vertex_bytes = 12 * counts.vertices();
-        let printed = |[bytes, of]: [u64; 2]| (bytes * leaves + of / 2) / of;
+        let added_bytes = 12 * u64::from(counts.added_vertices);
+        let printed = |[bytes, of]: [u64; 2]| (bytes * leaves + of / 2) / of + added_bytes;
         match self {
-            Self::Original => vertex_bytes + 16 * leaves,
+            Self::Original => (12 * 4 + 16) * leaves,
             Self::Vdf => vertex_bytes + 28 * counts.records(),
             Self::LodfPrinted => printed(PRINTED_LODF_BYTES),
             Self::LodfHardwarePrinted => printed(PRINTED_LODF_HARDWARE_BYTES),
@@ -154,6 +161,7 @@ mod tests {
         let taxus = StorageCounts {
             leaves: 48_160,
             collapses: 47_520,
+            added_vertices: 0,
         };
         let mebibytes = |accounting: Accounting| mebibyte_hundredths(accounting.bytes(taxus));
         assert_eq!(taxus.clusters(), 640);
@@ -164,9 +172,32 @@ mod tests {
         let all = StorageCounts {
             leaves: 1_000_000,
             collapses: 999_999,
+            added_vertices: 0,
         };
         assert_eq!(Accounting::LodfWords.bytes(all) / all.vertices(), 24);
         assert_eq!(Accounting::LodfWords.bytes(all) + 24, 25 * all.vertices());
+    }
+
+    #[test]
+    fn what_collapses_add_counts_in_all_but_the_original() {
+        let without = StorageCounts {
+            leaves: 10,
+            collapses: 8,
+            added_vertices: 0,
+        };
+        let with = StorageCounts {
+            added_vertices: 32,
+            ..without
+        };
+        for accounting in Accounting::ALL {
+            let more = accounting.bytes(with) - accounting.bytes(without);
+            let wanted = if accounting == Accounting::Original {
+                0
+            } else {
+                12 * 32
+            };
+            assert_eq!(more, wanted, "{accounting:?}");
+        }
     }
 
     #[test]
@@ -174,6 +205,7 @@ mod tests {
         let counts = StorageCounts {
             leaves: u32::MAX,
             collapses: u32::MAX,
+            added_vertices: u32::MAX,
         };
         for accounting in Accounting::ALL {
             assert!(
