@@ -154,8 +154,12 @@ impl<'s> Reader<'s> {
                 format!("record {number}: {leaf}, born by {birth}, cluster {cluster}")
             }
             ("leaf vertices", &[_, _, _]) => {
-                let (leaf, role) = (number / 4, number % 4);
-                let at = floats(&words);
+                let sequence = plant.map(|(_, crown)| crown.sequence());
+                let leaf = sequence.zip(u32::try_from(number).ok());
+                let leaf = leaf.map_or(number / 4, |(sequence, vertex)| {
+                    sequence.leaf_of_vertex(vertex).into()
+                });
+                let (role, at) = (number % 4, floats(&words));
                 format!("vertex {number} (leaf {leaf}, corner {role}): {at}")
             }
             ("draw arguments" | "leaf list arguments", &[corners, ..]) => {

@@ -161,8 +161,8 @@ impl<'c> LeafBook<'c> {
                 vertex,
                 plant: plant.to_array(),
                 world: placement.to_world(plant).to_array(),
-                leaf: vertex / 4,
-                branch: branch_of(crown, vertex / 4),
+                leaf: crown.sequence().original_of_vertex(vertex),
+                branch: branch_of(crown, crown.sequence().original_of_vertex(vertex)),
             }
         });
         LeafStory {
@@ -180,7 +180,7 @@ impl<'c> LeafBook<'c> {
             },
             branch: (leaf < originals).then(|| branch_of(crown, leaf)).flatten(),
             vertices: vertices.collect(),
-            material: material_of(crown, corners[0] / 4),
+            material: material_of(crown, crown.sequence().original_of_vertex(corners[0])),
         }
     }
 

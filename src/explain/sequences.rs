@@ -97,7 +97,8 @@ impl LeafNames {
             let new = &sequence.corners()[originals..];
             for (collapse, corners) in sequence.collapses().iter().zip(new) {
                 let old = collapse.old.map(|old| names[old as usize]);
-                let from = corners.map(|vertex| names[vertex as usize / 4]);
+                let from =
+                    corners.map(|vertex| names[sequence.original_of_vertex(vertex) as usize]);
                 let name = *makings.entry((old, from)).or_insert_with(|| {
                     next += 1;
                     next - 1

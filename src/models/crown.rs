@@ -29,12 +29,13 @@ impl Crown {
     /// When the sequence is not over this plant's quad leaves.
     #[must_use]
     pub fn new(plant: Arc<Plant>, sequence: CollapseSequence) -> Self {
-        let vertices = plant.foliage().quad_vertices();
+        let mut vertices = plant.foliage().quad_vertices();
         assert_eq!(
             vertices.len(),
             4 * sequence.original_count() as usize,
             "the sequence is over the plant's quad leaves"
         );
+        vertices.extend_from_slice(sequence.added_vertices());
         let clusters = Clusters::of(&sequence);
         let mut cluster_bounds = vec![Aabb::EMPTY; clusters.clusters.len()];
         for (corners, &cluster) in sequence.corners().iter().zip(&clusters.cluster_of_leaf) {
@@ -66,10 +67,17 @@ impl Crown {
         &self.plant
     }
 
-    /// The vertices of the original leaves, four a leaf.
+    /// All vertices, four a leaf that has its own: those of the original leaves, then those that
+    /// collapses add.
     #[must_use]
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
+    }
+
+    /// The vertices of the original leaves, four a leaf: the same whatever simplifies them.
+    #[must_use]
+    pub fn original_vertices(&self) -> &[Vec3] {
+        &self.vertices[..4 * self.sequence.original_count() as usize]
     }
 
     /// The collapses.
@@ -90,20 +98,20 @@ impl Crown {
         &self.cluster_centers
     }
 
-    /// The box of each cluster's leaves, old and new, in the plant's space: of the originals alone,
-    /// since new leaves take their corners from them.
+    /// The box of each cluster's leaves, old and new, in the plant's space. New leaves that take their
+    /// corners from the originals add nothing to it; those with vertices of their own may.
     #[must_use]
     pub fn cluster_bounds(&self) -> &[Aabb] {
         &self.cluster_bounds
     }
 
-    /// The box around all leaves, in the plant's space.
+    /// The box around all leaves, old and new, in the plant's space.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// The centre of the box around all leaves, in the plant's space.
+    /// The centre of the box around all leaves, old and new, in the plant's space.
     #[must_use]
     pub fn center(&self) -> Vec3 {
         self.bounds.center()

@@ -7,6 +7,9 @@
 //! | operands | 8 | the two leaves that disappear, `u32` each |
 //! | masks | ½ | bit `4 k + role`: the corner of that role comes from the second |
 //!
+//! Only collapses that take all corners from their operands can be sent so; others are not, and their
+//! records are sent as they are.
+//!
 //! The corners of an original leaf are its own four vertices, so it needs nothing. A new leaf's corner is
 //! found by going down from leaf to operand, as the masks say, until an original is reached. Each record
 //! is found by itself, so groups depend on nothing that others write. This runs once, at upload; the two
@@ -35,6 +38,11 @@ const RECORD_WORDS: u32 = 4;
 /// How many groups expand so many records.
 pub(super) fn expand_groups(records: u32) -> u32 {
     records.div_ceil(GROUP_RECORDS)
+}
+
+/// Whether operands and masks say all of a crown's collapses: no new leaf has vertices of its own.
+pub(super) fn expands(crown: &Crown) -> bool {
+    crown.sequence().added_vertices().is_empty()
 }
 
 /// How many bytes operands and masks have.

@@ -7,9 +7,10 @@
 //!
 //! For compact records vertices are sorted by cluster, within one as they were, and every cluster is
 //! drawn with its first vertex. Ties of depth are broken by the vertex numbers of all other modes, so
-//! each original leaf's number is kept beside them, 4 B: pictures are the same to the bit. (A card
-//! would not need it.) A cluster of more than 16,384 original leaves, which `u16` cannot number, is
-//! refused.
+//! for each four vertices of a leaf their number is kept beside them, 4 B: pictures are the same to the
+//! bit. (A card would not need it.) Only original leaves have vertices of their own, unless
+//! [collapses add some](crate::simplify::CollapseSequence::added_vertices). A cluster with more than
+//! 16,384 leaves that have their own vertices, which `u16` cannot number, is refused.
 //!
 //! Quantised vertices are displaced by half a step at most along each axis: 1/131,070 of the crown's
 //! box, 0.15 mm for 20 m. Pictures differ from those of float vertices, and are the same in all modes
@@ -19,7 +20,7 @@ use std::sync::Arc;
 
 use super::Crown;
 use crate::gpu::{Corners, GpuError, IndirectRecord, Words};
-use crate::math::Vec3;
+use crate::math::{Vec3, index_u32};
 
 /// How wide a leaf record is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -115,7 +116,7 @@ impl LeafFormat {
     }
 }
 
-/// The most original leaves of a cluster whose vertices `u16` can number.
+/// The most leaves of a cluster with vertices of their own that `u16` can number.
 const COMPACT_LEAVES: usize = 1 << 14;
 
 /// Writes the leaves of a crown in a format.
@@ -123,15 +124,18 @@ const COMPACT_LEAVES: usize = 1 << 14;
 pub(super) struct LeafBytes {
     pub(super) format: LeafFormat,
     crown: Arc<Crown>,
+    /// How many of the crown's vertices there are: all, or those of the original leaves.
+    vertex_count: usize,
     /// For compact records.
     by_cluster: Option<Arc<ByCluster>>,
 }
 
-/// The original leaves sorted by cluster, within one ascending.
+/// The vertices sorted by cluster, within one ascending, in blocks of the four of a leaf: block `b`
+/// holds vertices `4 b .. 4 b + 4`, those of original leaf `b` if there is one.
 #[derive(Debug)]
 struct ByCluster {
-    leaves: Vec<u32>,
-    /// Where each leaf stands there.
+    blocks: Vec<u32>,
+    /// Where each block stands there.
     places: Vec<u32>,
     /// The first vertex of each cluster.
     first_vertices: Vec<u32>,
@@ -140,23 +144,38 @@ struct ByCluster {
 impl ByCluster {
     fn of(crown: &Crown) -> Self {
         let cluster_of_leaf = &crown.clusters().cluster_of_leaf;
-        let originals = crown.sequence().original_count();
-        let mut leaves: Vec<u32> = (0..originals).collect();
-        // Stable: within a cluster leaves stay ascending.
-        leaves.sort_by_key(|&leaf| cluster_of_leaf[leaf as usize]);
-        let mut places = vec![0; leaves.len()];
+        let cluster_of_block = |block: u32| {
+            let leaf = crown.sequence().leaf_of_vertex(4 * block);
+            cluster_of_leaf[leaf as usize]
+        };
+        let mut blocks: Vec<u32> = (0..index_u32(crown.vertices().len() / 4)).collect();
+        // Stable: within a cluster blocks stay ascending.
+        blocks.sort_by_key(|&block| cluster_of_block(block));
+        let mut places = vec![0; blocks.len()];
         let mut first_vertices = Vec::with_capacity(crown.clusters().clusters.len());
-        for (place, &leaf) in (0..).zip(&leaves) {
-            places[leaf as usize] = place;
-            if cluster_of_leaf[leaf as usize] as usize == first_vertices.len() {
+        for (place, &block) in (0..).zip(&blocks) {
+            places[block as usize] = place;
+            if cluster_of_block(block) as usize == first_vertices.len() {
                 first_vertices.push(4 * place);
             }
         }
         Self {
-            leaves,
+            blocks,
             places,
             first_vertices,
         }
+    }
+
+    /// How many leaves of each cluster have vertices of their own.
+    fn sizes(&self) -> impl Iterator<Item = usize> {
+        let ends = self
+            .first_vertices
+            .iter()
+            .skip(1)
+            .map(|&first| first as usize / 4);
+        let ends = ends.chain([self.blocks.len()]);
+        let firsts = self.first_vertices.iter().map(|&first| first as usize / 4);
+        firsts.zip(ends).map(|(first, end)| end - first)
     }
 }
 
@@ -166,15 +185,27 @@ impl LeafBytes {
         Self {
             format,
             crown: Arc::clone(crown),
+            vertex_count: crown.vertices().len(),
             by_cluster: compact.then(|| Arc::new(ByCluster::of(crown))),
+        }
+    }
+
+    /// Of the original leaves alone, which need no records.
+    pub(super) fn of_originals(crown: &Arc<Crown>, vertices: Vertices) -> Self {
+        let format = LeafFormat {
+            records: Records::Wide,
+            vertices,
+        };
+        Self {
+            vertex_count: crown.original_vertices().len(),
+            ..Self::new(crown, format)
         }
     }
 
     /// Refuses a crown that does not fit the format.
     pub(super) fn check(&self) -> Result<(), GpuError> {
-        let sizes = self.crown.clusters().clusters.iter();
-        let mut sizes = sizes.map(|cluster| cluster.original_count() as usize);
-        match sizes.find(|size| self.by_cluster.is_some() && *size > COMPACT_LEAVES) {
+        let mut sizes = self.by_cluster.iter().flat_map(|sorted| sorted.sizes());
+        match sizes.find(|size| *size > COMPACT_LEAVES) {
             None => Ok(()),
             Some(size) => Err(GpuError::Unsupported {
                 what: format!(
@@ -240,18 +271,23 @@ impl LeafBytes {
 
     /// How many vertex bytes there are.
     pub(super) fn vertex_size(&self) -> u64 {
-        u64::from(self.format.vertex_bytes()) * self.crown.vertices().len() as u64
+        u64::from(self.format.vertex_bytes()) * self.vertex_count as u64
+    }
+
+    /// How many vertices there are.
+    pub(super) fn vertex_count(&self) -> u32 {
+        index_u32(self.vertex_count)
     }
 
     /// All vertices, in the order that records count in.
     pub(super) fn vertices(&self) -> Vec<u8> {
-        let all = self.crown.vertices();
+        let all = &self.crown.vertices()[..self.vertex_count];
         let sorted: Vec<Vec3> = match &self.by_cluster {
             None => all.to_vec(),
             Some(sorted) => sorted
-                .leaves
+                .blocks
                 .iter()
-                .flat_map(|&leaf| &all[4 * leaf as usize..][..4])
+                .flat_map(|&block| &all[4 * block as usize..][..4])
                 .copied()
                 .collect(),
         };
@@ -277,12 +313,12 @@ impl LeafBytes {
         }
     }
 
-    /// What programs need to read vertices, with a label each: the number of each original leaf
-    /// (4 bytes) for compact records, the [`Grid`] (24 bytes) for quantised vertices.
+    /// What programs need to read vertices, with a label each: the number of each four vertices
+    /// (4 bytes; that of an original leaf, or more) for compact records, the [`Grid`] (24 bytes) for quantised vertices.
     pub(super) fn keys(&self) -> Vec<(&'static str, Vec<u8>)> {
         let mut keys = Vec::new();
         if let Some(sorted) = &self.by_cluster {
-            let numbers = sorted.leaves.iter().flat_map(|leaf| leaf.to_le_bytes());
+            let numbers = sorted.blocks.iter().flat_map(|block| block.to_le_bytes());
             keys.push(("leaf numbers", numbers.collect()));
         }
         if self.format.vertices == Vertices::Quantised {

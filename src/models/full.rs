@@ -6,14 +6,13 @@ use super::format::LeafBytes;
 use super::leaf::LeafSource;
 use super::surface::{LEAF_GROUP, Uploaded};
 use super::{
-    Change, Crown, Environment, Kind, LeafFormat, Model, ModelOptions, Records, Resident, Shared,
-    State, Storage,
+    Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared, State, Storage,
 };
 use crate::gpu::{Corners, Device, Draw, GpuError, Queue, Residency, Step};
 
 /// The model without levels.
 ///
-/// Host memory: none. Device memory: the vertices, in the order of the plant whatever the format of
+/// Host memory: none. Device memory: the vertices of the original leaves, in the order of the plant whatever the format of
 /// records, since it has none.
 #[derive(Debug, Clone)]
 pub(super) struct Full {
@@ -23,11 +22,7 @@ pub(super) struct Full {
 
 impl Full {
     pub(super) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
-        let format = LeafFormat {
-            records: Records::Wide,
-            ..options.format
-        };
-        let leaves = LeafBytes::new(&crown, format);
+        let leaves = LeafBytes::of_originals(&crown, options.format.vertices);
         Self { crown, leaves }
     }
 }

@@ -265,7 +265,7 @@ impl LeafStage {
             .cross(world[3] - world[1])
             .normalize_or_zero();
         let toward = normal.dot(self.to_light);
-        // Groups are few and ascending; the last one that begins at or before the corner has it.
+        // Entries are few and ascending; the last one that begins at or before the corner has it.
         let group = self
             .materials
             .iter()
@@ -302,7 +302,8 @@ impl LeafStage {
 /// | 4–7   | `base_color`      | 4 × `f32`, linear |
 /// | 8–15  | `texture_corners` | 4 × 2 × `f32`, by corner role |
 ///
-/// Little-endian, 64 bytes a group, groups ascending by first vertex.
+/// Little-endian, 64 bytes a group, groups ascending by first vertex. Where collapses add vertices, each
+/// group that has some comes once more after all groups, with its first added one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LeafMaterial {
     pub(super) first_vertex: u32,

@@ -1,5 +1,7 @@
 //! The leaves' vertices, materials and textures on the device: the same for every model and mode.
 
+use std::ops::Range;
+
 use super::Shared;
 use super::crown::Crown;
 use super::environment::Environment;
@@ -51,7 +53,7 @@ impl Surface {
         let keys = keys.collect::<Result<_, _>>()?;
 
         let mut distinct: Vec<(&Texture, f32)> = Vec::new();
-        let mut bytes = Vec::new();
+        let mut entries: Vec<LeafMaterial> = Vec::new();
         let mut first_vertex = 0;
         for (group, corners) in crown.plant().foliage().quad_groups() {
             let material = &group.material;
@@ -65,16 +67,20 @@ impl Surface {
                         distinct.len() - 1
                     })
             });
-            let entry = LeafMaterial {
+            entries.push(LeafMaterial {
                 first_vertex,
                 texture: slot.map_or(0, |slot| index_u32(slot) + 1),
                 alpha_cutoff: material.alpha_cutoff,
                 base_color: Vec4::from_array(material.base_color),
                 texture_corners: *corners,
-            };
-            bytes.extend(entry.to_bytes());
+            });
             first_vertex += index_u32(group.positions.len());
         }
+        entries.extend(added_materials(
+            crown,
+            first_vertex..leaves.vertex_count(),
+            &entries,
+        ));
         if distinct.len() > MAX_SLOTS {
             let what = format!(
                 "foliage with {} textures (at most {MAX_SLOTS} fit; join them into an atlas)",
@@ -82,6 +88,7 @@ impl Surface {
             );
             return Err(GpuError::Unsupported { what });
         }
+        let bytes: Vec<u8> = entries.iter().flat_map(|entry| entry.to_bytes()).collect();
         let cause = Cause::of("materials");
         let materials = filled(device, "leaf materials", Usage::STORAGE, &bytes, cause)?;
         let textures = distinct
@@ -153,6 +160,25 @@ impl Surface {
         }));
         steps
     }
+}
+
+/// The materials of the vertices that collapses add, once for each run of those of one group; runs are few
+/// where such vertices come by group.
+fn added_materials(crown: &Crown, added: Range<u32>, groups: &[LeafMaterial]) -> Vec<LeafMaterial> {
+    let mut entries = Vec::new();
+    let mut last = None;
+    for vertex in added.step_by(4) {
+        let first_of_original = 4 * crown.sequence().original_of_vertex(vertex);
+        let group = groups.partition_point(|group| group.first_vertex <= first_of_original);
+        if last.replace(group) != Some(group) {
+            // Of empty groups, which begin where another does, the last is found, as in a draw.
+            entries.extend(group.checked_sub(1).map(|group| LeafMaterial {
+                first_vertex: vertex,
+                ..groups[group]
+            }));
+        }
+    }
+    entries
 }
 
 /// What instances of a model share on a device: the model's own host structures, and the surface.

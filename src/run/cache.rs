@@ -17,7 +17,8 @@
 //! |  52–83 | BLAKE3 of bytes 0–51 and the rest |
 //! | 84–end | the model |
 //!
-//! Leaf collapses: `L` and `C` as `u32`; of every new leaf the four corners, `u32`; of every collapse
+//! Only leaf collapses are kept: pruning takes hardly longer than to read what it makes. They are `L` and
+//! `C` as `u32`; of every new leaf the four corners, `u32`; of every collapse
 //! both old leaves, `u32`, and the bits of the cost.
 //!
 //! **Invariant.** What a cache returns is what would have been built: a file counts only with its own
@@ -281,6 +282,7 @@ fn read_leaf_collapses(bytes: &[u8], leaves: u32) -> Option<CollapseSequence> {
     if !collapses.iter().all(is_cost) {
         return None;
     }
+    // Nor do leaf collapses add vertices.
     CollapseSequence::new(leaves, corners.collect(), collapses).ok()
 }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
 use super::RunError;
 use super::cache::ModelCache;
-use super::world::crown_from;
+use super::world::{Wanted, crown_from};
 use crate::document::Document;
 use crate::math::{Digest, Digester};
 use crate::models::{Crown, Trunk};
@@ -31,7 +31,7 @@ type Kept = Vec<(Key, Arc<Crown>)>;
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Key {
     plant: PlantKey,
-    stop_leaves: Option<u32>,
+    wanted: Wanted,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -69,7 +69,7 @@ impl CrownStore {
         &self,
         tree: &Tree,
         folder: &Path,
-        stop_leaves: Option<u32>,
+        wanted: Wanted,
         fits: &dyn Fn(&Plant) -> Result<(), RunError>,
         remarks: &mut Vec<String>,
     ) -> Result<Arc<Crown>, RunError> {
@@ -80,7 +80,7 @@ impl CrownStore {
                     species: Digester::plain().raw(document.text.as_bytes()).finish(),
                     seed: tree.seed,
                 };
-                self.kept_or_built(Key { plant, stop_leaves }, fits, || {
+                self.kept_or_built(Key { plant, wanted }, fits, || {
                     let species = Species::parse(&document)?;
                     let plant = grow(&species, tree.seed).map_err(|source| RunError::Grow {
                         species: path.clone(),
@@ -100,9 +100,7 @@ impl CrownStore {
                     name: imported.plant.name().to_owned(),
                     plant: imported.plant.digest(),
                 };
-                self.kept_or_built(Key { plant, stop_leaves }, fits, || {
-                    Ok((imported.plant, None))
-                })
+                self.kept_or_built(Key { plant, wanted }, fits, || Ok((imported.plant, None)))
             }
         }
     }
@@ -127,12 +125,12 @@ impl CrownStore {
         let built = || -> Result<Arc<Crown>, RunError> {
             let (plant, usual) = plant()?;
             fits(&plant)?;
-            let stop_leaves = key.stop_leaves.or(usual);
-            Ok(Arc::new(crown_from(
-                plant,
-                stop_leaves,
-                self.cache.as_ref(),
-            )))
+            let wanted = Wanted {
+                stop_leaves: key.wanted.stop_leaves.or(usual),
+                ..key.wanted
+            };
+            let cache = self.cache.as_ref();
+            Ok(Arc::new(crown_from(Arc::new(plant), wanted, cache)))
         };
         // Held while building, so that nobody builds the same.
         let Some(mut kept) = self.lock() else {
@@ -172,6 +170,7 @@ impl CrownStore {
 mod tests {
     use super::*;
     use crate::math::Vec3;
+    use crate::scene::Simplifier;
 
     fn tree(path: &str, seed: u64) -> Tree {
         Tree {
@@ -199,21 +198,33 @@ mod tests {
         put("a.toml", 20);
         put("b.toml", 20);
         let store = CrownStore::default();
-        let get = |name, seed, stop| {
+        let simplified = |name, seed, simplifier, stop_leaves| {
             let mut remarks = Vec::new();
+            let wanted = Wanted {
+                simplifier,
+                stop_leaves,
+            };
             let crown = store.crown(
                 &tree(name, seed),
                 folder.path(),
-                stop,
+                wanted,
                 &|_| Ok(()),
                 &mut remarks,
             );
             crown.unwrap()
         };
+        let get = |name, seed, stop| simplified(name, seed, Simplifier::LeafCollapse, stop);
         let first = get("a.toml", 1, None);
         assert!(Arc::ptr_eq(&first, &get("b.toml", 1, None)));
         assert!(!Arc::ptr_eq(&first, &get("a.toml", 2, None)));
         assert!(!Arc::ptr_eq(&first, &get("a.toml", 1, Some(3))));
+        let pruned = simplified("a.toml", 1, Simplifier::Pruning, None);
+        assert!(!Arc::ptr_eq(&first, &pruned));
+        assert_eq!(
+            pruned.sequence().root_count(),
+            first.sequence().root_count()
+        );
+        assert_eq!(pruned.sequence().added_vertices().len(), 4 * 18);
         put("a.toml", 30);
         assert_ne!(
             get("a.toml", 1, None).sequence().original_count(),

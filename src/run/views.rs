@@ -76,13 +76,14 @@ pub struct Views {
 }
 
 impl Views {
-    /// Shows a crown at full detail, around the sphere of all its leaves.
+    /// Shows a crown at full detail, around the sphere of its original leaves, which is the same
+    /// whatever simplifies them.
     ///
     /// # Errors
     ///
     /// What the device refuses.
     pub fn new(crown: &Arc<Crown>) -> Result<Self, RunError> {
-        Self::within(crown, Sphere::of(crown.vertices()))
+        Self::within(crown, Sphere::of(crown.original_vertices()))
     }
 
     /// Shows a crown at full detail, around a given sphere: for leaves that are what was left of

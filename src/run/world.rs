@@ -11,8 +11,10 @@ use crate::limits;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement, Trunk};
 use crate::plant::{Mesh, Plant};
-use crate::scene::{PlantSource, Scene, Tree};
-use crate::simplify::{CollapseSequence, LeafCollapseOptions, collapse_leaves};
+use crate::scene::{PlantSource, Scene, Simplifier, Tree};
+use crate::simplify::{
+    CollapseSequence, LeafCollapseOptions, PruningOptions, collapse_leaves, prune_leaves,
+};
 
 /// The plants of a scene and where they stand.
 #[derive(Debug, Clone)]
@@ -104,11 +106,14 @@ impl World {
             let crown = match found {
                 Some(&(_, _, crown)) => crown,
                 None => {
-                    let stop_leaves = scene.model.stop_leaves;
+                    let wanted = Wanted {
+                        simplifier: scene.model.simplifier,
+                        stop_leaves: scene.model.stop_leaves,
+                    };
                     // Before it is simplified, which takes far longer than to grow it.
                     let fits = |plant: &Plant| size.with_plant(number, plant).map(drop);
                     let remarks = &mut world.remarks;
-                    let crown = store.crown(tree, folder, stop_leaves, &fits, remarks)?;
+                    let crown = store.crown(tree, folder, wanted, &fits, remarks)?;
                     size = size.with_plant(number, crown.plant())?;
                     let trunk = store.trunk(crown.plant(), scene.model.trunk_triangles);
                     world.trunks.push(trunk.map(Arc::new));
@@ -138,6 +143,22 @@ impl World {
             });
         }
         Ok(world)
+    }
+
+    /// The same plants at the same places, simplified by `simplifier` to as many leaves each as now.
+    #[must_use]
+    pub fn simplified_by(&self, simplifier: Simplifier) -> Self {
+        let crown = |crown: &Arc<Crown>| {
+            let wanted = Wanted {
+                simplifier,
+                stop_leaves: Some(crown.sequence().root_count()),
+            };
+            Arc::new(crown_from(Arc::clone(crown.plant()), wanted, None))
+        };
+        Self {
+            crowns: self.crowns.iter().map(crown).collect(),
+            ..self.clone()
+        }
     }
 }
 
@@ -199,28 +220,40 @@ fn within(what: &'static str, tree: usize, found: u64, limit: u64) -> Result<(),
 /// [RRCGR](crate::references), Tables II to V.
 #[must_use]
 pub fn crown(plant: Plant, stop_leaves: Option<u32>) -> Crown {
-    crown_from(plant, stop_leaves, None)
+    let wanted = Wanted {
+        simplifier: Simplifier::LeafCollapse,
+        stop_leaves,
+    };
+    crown_from(Arc::new(plant), wanted, None)
 }
 
-/// [`crown`], with collapses that a cache keeps.
-pub(super) fn crown_from(
-    plant: Plant,
-    stop_leaves: Option<u32>,
-    cache: Option<&ModelCache>,
-) -> Crown {
-    let leaves = plant.foliage().quad_count();
+/// What is wanted of the simplification of a plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Wanted {
+    pub(super) simplifier: Simplifier,
+    /// Without a number as [`crown`] says.
+    pub(super) stop_leaves: Option<u32>,
+}
+
+/// The crown of a plant as it is wanted, with leaf collapses that a cache keeps. Pruning is done anew each
+/// time: it takes hardly longer than to read it.
+pub(super) fn crown_from(plant: Arc<Plant>, wanted: Wanted, cache: Option<&ModelCache>) -> Crown {
+    let foliage = plant.foliage();
+    let leaves = foliage.quad_count();
     let usual = (135 * leaves).div_ceil(10_000);
-    let stop_leaves = stop_leaves.unwrap_or(index_u32(usual));
-    let sequence = if index_u32(leaves) <= stop_leaves {
-        untouched(index_u32(leaves))
-    } else {
-        let options = LeafCollapseOptions::to(stop_leaves);
-        match cache {
-            Some(cache) => cache.collapse_leaves(plant.foliage(), &options),
-            None => collapse_leaves(plant.foliage(), &options),
+    let stop_leaves = wanted.stop_leaves.unwrap_or(index_u32(usual));
+    let sequence = match wanted.simplifier {
+        _ if index_u32(leaves) <= stop_leaves => untouched(index_u32(leaves)),
+        Simplifier::Pruning => prune_leaves(foliage, &PruningOptions::to(stop_leaves)),
+        Simplifier::LeafCollapse => {
+            let options = LeafCollapseOptions::to(stop_leaves);
+            match cache {
+                Some(cache) => cache.collapse_leaves(foliage, &options),
+                None => collapse_leaves(foliage, &options),
+            }
         }
     };
-    Crown::new(Arc::new(plant), sequence)
+    Crown::new(plant, sequence)
 }
 
 /// No collapse at all: with nothing to look for, no leaf's neighbours need be known.

@@ -4,7 +4,7 @@ use crate::limits;
 
 use super::{
     CriterionName, DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, Occlusion,
-    RecordWidth, TrunkMode, TrunkName, VertexFormat,
+    RecordWidth, Simplifier, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// One key of a scene file.
@@ -334,6 +334,8 @@ pub const KEYS: &[Key] = &[
         "Vertices of 12 bytes, or of 8 on a grid in the crown's box."),
     key("model.occlusion", Kind::Choice(Occlusion::NAMES), "", Absent::Value("\"none\""),
         "In mode device: clusters that are hidden by what was seen in the frame before are left out."),
+    key("model.simplifier", Kind::Choice(Simplifier::NAMES), "", Absent::Value("\"leaf-collapse\""),
+        "Two leaves become one with corners of both, or one goes and the other grows by its area."),
     key("model.stop_leaves", Kind::Integer { min: 1, max: 16_000_000 }, "leaves", Absent::Rule("the species'"),
         "Simplification stops at so many leaves."),
     key("model.level", Kind::Number { min: 0.0, max: 1.0 }, "", Absent::Rule("by distance"),

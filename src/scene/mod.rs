@@ -33,7 +33,7 @@ pub use forest::{Area, Forest, ForestChoice, ForestSpecies, Layout, NoRoom};
 pub use keys::{Absent, KEYS, Key, Kind, key_help};
 pub use model::{
     CriterionName, DetailKind, DetailRange, Extraction, Gather, LeafAmount, Mode, ModelChoice,
-    ModelName, Occlusion, RecordWidth, TrunkMode, TrunkName, VertexFormat,
+    ModelName, Occlusion, RecordWidth, Simplifier, TrunkMode, TrunkName, VertexFormat,
 };
 pub use parse::{SceneFile, SceneSource};
 pub use terrain::Terrain;

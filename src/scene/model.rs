@@ -95,6 +95,16 @@ choices! {
 }
 
 choices! {
+    /// What makes few leaves of many.
+    Simplifier {
+        /// Two leaves become one with corners of both.
+        LeafCollapse = "leaf-collapse",
+        /// One of two leaves goes, and the other grows by its area ([CHPR07](crate::references)).
+        Pruning = "pruning",
+    }
+}
+
+choices! {
     /// How detail is spread over a plant.
     DetailKind {
         /// One level for the whole foliage.
@@ -208,6 +218,8 @@ pub struct ModelChoice {
     pub vertices: VertexFormat,
     /// What the device leaves out: something in mode `device` only.
     pub occlusion: Occlusion,
+    /// What makes few leaves of many.
+    pub simplifier: Simplifier,
     /// The leaf count at which simplification stops, in place of the species'.
     pub stop_leaves: Option<u32>,
     /// A fixed level from 0 (all leaves) to 1 (fewest), in place of distance.

@@ -15,7 +15,7 @@ use super::{
     Area, Camera, CameraKey, CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction,
     Forest, ForestChoice, ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode,
     ModelChoice, ModelName, NoRoom, Occlusion, PlantSource, Projection, RecordWidth, SampleCount,
-    Scene, SceneError, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
+    Scene, SceneError, Simplifier, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -371,6 +371,7 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         records: RecordWidth::from_name(&name("records")?).expect(NAMED),
         vertices: VertexFormat::from_name(&name("vertices")?).expect(NAMED),
         occlusion: Occlusion::from_name(&name("occlusion")?).expect(NAMED),
+        simplifier: Simplifier::from_name(&name("simplifier")?).expect(NAMED),
         stop_leaves: table.get("stop_leaves")?.map(small),
         level: table.get("level")?,
         criterion: CriterionName::from_name(&name("criterion")?).expect(NAMED),

@@ -5,8 +5,8 @@ use crate::math::{Digest, Digester, Vec3};
 use super::value::BYTE_UNITS;
 use super::{
     Camera, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice, Occlusion,
-    PlantSource, Projection, RecordWidth, SCHEMA, Scene, Terrain, Tree, TrunkMode, TrunkName,
-    VertexFormat,
+    PlantSource, Projection, RecordWidth, SCHEMA, Scene, Simplifier, Terrain, Tree, TrunkMode,
+    TrunkName, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -218,6 +218,7 @@ fn write_model(text: &mut Text, model: &ModelChoice) {
     text.key("records", &quoted(model.records.name()));
     text.key("vertices", &quoted(model.vertices.name()));
     text.key("occlusion", &quoted(model.occlusion.name()));
+    text.key("simplifier", &quoted(model.simplifier.name()));
     if let Some(leaves) = model.stop_leaves {
         text.key("stop_leaves", &leaves.to_string());
     }
@@ -369,6 +370,9 @@ fn digest_model(digester: &mut Digester, model: &ModelChoice) {
     }
     if model.occlusion != Occlusion::None {
         digester.text("occlusion").u32(model.occlusion as u32);
+    }
+    if model.simplifier != Simplifier::LeafCollapse {
+        digester.text("simplifier").u32(model.simplifier as u32);
     }
 }
 

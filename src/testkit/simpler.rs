@@ -6,6 +6,7 @@ use super::{History, Operation, Walk};
 use crate::math::{Vec3, index_u32};
 use crate::models::{Crown, State};
 use crate::plant::{Foliage, Plant};
+use crate::simplify::hand_on_areas;
 
 /// A case that can be made simpler.
 ///
@@ -232,6 +233,22 @@ impl TreeWalk {
         let plant = Plant::new("case", None, None, self.foliage.clone());
         let plant = Arc::new(plant.expect("foliage of a case is sound"));
         Arc::new(Crown::new(plant, self.walk.history.sequence().clone()))
+    }
+
+    /// The same walk where leaves do not take corners of both that they are made of, but are the first
+    /// of them, grown by the other's area, with [vertices of their own](hand_on_areas).
+    ///
+    /// # Panics
+    ///
+    /// As [`crown`](Self::crown).
+    #[must_use]
+    pub fn pruned(&self) -> Self {
+        let history = &self.walk.history;
+        let pruned = hand_on_areas(&self.foliage, &history.collapses(), None);
+        let pruned = pruned.expect("collapses of a history are sound");
+        let mut walk = self.clone();
+        walk.walk.history = History::of(&pruned);
+        walk
     }
 
     fn without_leaves(&self, leaves: &[u32]) -> Self {

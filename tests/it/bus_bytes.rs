@@ -20,7 +20,7 @@ use spinney::raster::Samples;
 use crate::closed_form::{Expected, Forest, Sent, by_cause, transfers};
 use crate::laws::check_conservation;
 use crate::support::{
-    DeviceModel as _, OPTIONS, Stage, StageExt as _, descriptor, random_crown, random_state,
+    DeviceModel as _, OPTIONS, Stage, StageExt as _, descriptor, pruned, random_crown, random_state,
 };
 
 const REGIONS: ModelOptions = ModelOptions {
@@ -377,8 +377,11 @@ fn storage_is_what_lies_there() {
         "placements",
         "camera",
     ];
-    for (seed, leaves, roots) in [(1, 2, 1), (2, 3, 3), (3, 25, 4), (4, 90, 9)] {
+    let crowns = [(1, 2, 1), (2, 3, 3), (3, 25, 4), (4, 90, 9)].map(|(seed, leaves, roots)| {
         let crown = random_crown(seed, leaves, roots);
+        [pruned(&crown), crown]
+    });
+    for crown in crowns.into_iter().flatten() {
         let formats = LeafFormat::ALL.into_iter();
         let all = formats.flat_map(|format| Kind::ALL.map(|kind| (kind, format)));
         for (kind, format) in all {

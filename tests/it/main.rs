@@ -24,6 +24,7 @@ mod mass;
 mod model_contracts;
 mod occlusion;
 mod program;
+mod pruned;
 mod raster;
 mod report;
 mod scene;

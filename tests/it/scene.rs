@@ -445,6 +445,7 @@ extraction = "single"
 gather = "regions"
 records = "compact"
 vertices = "quantised"
+simplifier = "pruning"
 stop_leaves = 12
 level = 0.3
 [device]
@@ -528,6 +529,7 @@ fn digest_knows_the_meaning_not_the_layout() {
         ending("[model]\nlevel = 0"),
         ending("[model]\nrecords = \"compact\""),
         ending("[model]\nvertices = \"quantised\""),
+        ending("[model]\nsimplifier = \"pruning\""),
         ending("[model]\ncriterion = \"distance\""),
         ending("[model]\nleaf_budget = 7"),
         ending("[model]\nleaf_share = 0"),

@@ -18,7 +18,7 @@ use spinney::plant::{Foliage, LeafGroup, Material, Mesh, NO_BRANCH, Plant, Proto
 use spinney::raster::Image;
 use spinney::run::{Silent, World};
 use spinney::scene::{Scene, SceneFile};
-use spinney::simplify::{Collapse, CollapseSequence};
+use spinney::simplify::{Collapse, CollapseSequence, hand_on_areas};
 use spinney::testkit::Tally;
 pub(crate) use spinney::testkit::{DeviceModel, Stage};
 
@@ -149,6 +149,14 @@ fn random_foliage(seed: u64, leaves: u32) -> Foliage {
         group(leaves - split, [0.9, 0.5, 0.1, 1.0], &mut draws),
     ];
     Foliage { groups }
+}
+
+/// The same leaves along the same collapses, which take one leaf away each and let the other grow.
+pub(crate) fn pruned(crown: &Crown) -> Arc<Crown> {
+    let collapses = crown.sequence().collapses().iter();
+    let pairs: Vec<[u32; 2]> = collapses.map(|collapse| collapse.old).collect();
+    let sequence = hand_on_areas(crown.plant().foliage(), &pairs, None).expect("a sound history");
+    Arc::new(Crown::new(Arc::clone(crown.plant()), sequence))
 }
 
 /// Random collapses of leaves of the same group, each new leaf with random corners of the two.

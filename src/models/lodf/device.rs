@@ -32,7 +32,7 @@ use std::sync::Arc;
 use super::super::environment::Lens;
 use super::super::expand_pass::{
     EXPANDED_CROWN_SLOT, EXPANDED_RECORD_SLOT, LEAF_NUMBER_SLOT, MASK_SLOT, OPERAND_SLOT,
-    collapse_bytes, collapse_sizes, expand_groups,
+    collapse_bytes, collapse_sizes, expand_groups, expands,
 };
 use super::super::format::LeafBytes;
 use super::super::leaf::{RECORD_SLOT, VERTEX_SLOT, WINDOW_FIRST_VERTEX_SLOT, stamped_words};
@@ -59,8 +59,8 @@ const RECORDS: Cause = Cause::of("records");
 /// Host memory: the structures of [`host_bytes`]. Device memory: the vertices, each leaf's record with
 /// birth and cluster (24 bytes; 16 with a compact record), and the [crown](super::super::select_pass), once;
 /// with compact records also the first vertex of each cluster (4 bytes), and what they were
-/// [expanded](super::super::expand_pass) from (8½ bytes a collapse), which is sent in their place; for each
-/// instance its detail (8 bytes, and 4 a cluster), and what the device computes: 4 bytes and 16 bytes of
+/// [expanded](super::super::expand_pass) from (8½ bytes a collapse), which is sent in their place unless
+/// collapses add vertices; for each instance its detail (8 bytes, and 4 a cluster), and what the device computes: 4 bytes and 16 bytes of
 /// draw arguments a cluster, twice where what is hidden is left out.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Refined {
@@ -123,7 +123,7 @@ impl Refined {
         4 * words * u64::from(self.crown.sequence().record_count())
     }
 
-    /// All records, as wide ones are sent.
+    /// All records, as they are sent where they are not expanded.
     fn record_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (number, cluster) in (0_u32..).zip(&self.crown.clusters().clusters) {
@@ -161,7 +161,8 @@ impl Model for Refined {
         let mut buffer =
             |label, bytes: &[u8]| filled(device, label, Usage::STORAGE, bytes, RECORDS);
         let crown_buffer = buffer("crown", &crown_bytes(crown, leaves.grid_step()))?;
-        let records = match surface.leaf_numbers() {
+        let numbers = surface.leaf_numbers().filter(|_| expands(crown));
+        let records = match numbers {
             None => filled(
                 device,
                 "windowed records",
@@ -198,7 +199,8 @@ impl Model for Refined {
             Records::Wide => 0,
             Records::Compact => {
                 let first_vertices = 4 * u64::from(roots);
-                first_vertices + collapse_sizes(&self.crown).iter().sum::<u64>()
+                let expanded = expands(&self.crown).then(|| collapse_sizes(&self.crown));
+                first_vertices + expanded.iter().flatten().sum::<u64>()
             }
         };
         Storage {
