@@ -1,8 +1,8 @@
-//! Foliage at a share of its leaves, by spinney's leaf collapses and by their rivals, held against full
-//! detail.
+//! Foliage at a share of its leaves, by spinney's two collapse sequences and by their rivals, held against
+//! full detail.
 //!
 //! ```text
-//! scene ─▶ plants ─┬─ leaf collapses ─▶ a level ──────────┐
+//! scene ─▶ plants ─┬─ collapse sequences ─▶ a level ──────┐
 //!                  └─ Rival ─▶ leaves ─▶ a plant of them ─┴─ Views ─▶ ViewQuality ─▶ tables
 //! ```
 //!
@@ -24,7 +24,7 @@ use spinney::plant::{Foliage, Plant};
 use spinney::report::{Picture, PictureView, QualitySummary, ViewQuality};
 use spinney::run::{Silent, Views, World};
 use spinney::scene::Scene;
-use spinney::simplify::{CollapseSequence, measure_leaves};
+use spinney::simplify::{CollapseSequence, PruningOptions, measure_leaves, prune_leaves};
 
 use rival::Rival;
 use tables::Row;
@@ -62,12 +62,17 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn compare(crown: &Arc<Crown>, out: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
     let name = crown.plant().name();
     let foliage = crown.plant().foliage();
-    let sphere = Sphere::of(crown.vertices());
+    let sphere = Sphere::of(crown.original_vertices());
     let all = crown.sequence().original_count();
     let mut views = Views::new(crown)?;
     let full = seen(&mut views)?;
     keep(out, name, "full", 100, &full)?;
     let full_area = area(crown, &State::FINEST);
+    // As far as the leaf collapses go.
+    let options = PruningOptions::to(crown.sequence().root_count());
+    let sequence = prune_leaves(foliage, &options);
+    let pruned = Arc::new(Crown::new(Arc::clone(crown.plant()), sequence));
+    let mut pruned_views = Views::within(&pruned, sphere)?;
     let mut rows = Vec::new();
     for share in SHARES {
         let leaves = all * share / 100;
@@ -90,6 +95,9 @@ fn compare(crown: &Arc<Crown>, out: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
         };
         views.show(&state)?;
         row("FSA", "", crown, &state, Level::of(&mut views, &full)?)?;
+        pruned_views.show(&state)?;
+        let level = Level::of(&mut pruned_views, &full)?;
+        row("pruning in LoDF", "", &pruned, &state, level)?;
         for rival in Rival::ALL {
             // The best that it can do: by FLIP, among all its options.
             let mut best: Option<(&str, Arc<Crown>, Level)> = None;
