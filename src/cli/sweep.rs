@@ -9,7 +9,7 @@ use super::prepare::Prepared;
 use super::run::folder;
 use super::terminal::Terminal;
 use crate::gpu::Card;
-use crate::models::TrunkKind;
+use crate::models::{Kind, TrunkKind};
 use crate::raster::Counters;
 use crate::report::{
     OutputFolder, QualityMeter, SweepHeader, SweepQuality, SweepShare, sweep_json, sweep_text,
@@ -55,6 +55,7 @@ pub(super) fn sweep(
         false => None,
         true => {
             let look = LookOptions {
+                variants: walk.variants,
                 steps: options.steps,
                 looks: options.quality_steps,
                 shard,
@@ -118,9 +119,11 @@ fn variants(labels: &[String]) -> Result<Option<Vec<Variant>>, CliError> {
             let known: Vec<String> = Variant::ALL.iter().map(|variant| variant.label()).collect();
             let trunks: Vec<String> = TrunkKind::all().map(TrunkKind::label).collect();
             CliError::Usage(format!(
-                "--models: {label:?} is unknown; known are {}, lodf-literal, each also with a trunk, \
-                 such as {}+{}: {}",
+                "--models: {label:?} is unknown; known are {}, lodf-literal, each with \
+                 levels also with -pruned after its mode, such as {}, and each also with a trunk, such as \
+                 {}+{}: {}",
                 known.join(", "),
+                Variant::usual(Kind::LodfSlots).pruned().compact().label(),
                 known[0],
                 trunks[0],
                 trunks.join(", ")

@@ -8,17 +8,20 @@ use super::options::SessionOptions;
 use super::progress::Progress;
 use super::session::Session;
 use super::shard::Shard;
-use super::sweep::states_at;
+use super::sweep::{Variant, prunings, states_at};
 use super::views::{Shot, Views};
 use super::world::World;
 use crate::math::{index_u32, index_usize};
 use crate::models::{Kind, LeafFormat, ModelOptions, level};
-use crate::scene::Scene;
+use crate::scene::{Scene, Simplifier};
 use crate::simplify::measure_leaves;
 
 /// Which levels to look at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LookOptions {
+    /// The models whose levels are looked at: by them foliage is looked at as the scene simplifies it,
+    /// pruned, or both.
+    pub variants: Vec<Variant>,
     /// Into how many steps the walk divides the axis of detail.
     pub steps: u32,
     /// How many of these steps to look at beyond step 0, evenly chosen, with the last; at least 1.
@@ -53,6 +56,8 @@ pub enum Subject {
 /// How a subject looks at a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
+    /// Whether the foliage is pruned, whatever the scene says.
+    pub pruned: bool,
     /// The step.
     pub step: u32,
     /// What the pictures are of.
@@ -63,7 +68,8 @@ pub struct Look {
     pub leaf_area: f64,
 }
 
-/// Hands out how the scene and then each of its plants look, each from full detail to the coarsest.
+/// Hands out how the scene and then each of its plants look, each from full detail to the coarsest; and
+/// then again, if their foliage is wanted pruned as well.
 ///
 /// # Errors
 ///
@@ -78,8 +84,26 @@ pub fn looks<E: From<RunError>>(
     let steps: Vec<u32> = looked_at(options.steps, options.looks)
         .filter(|step| *step == 0 || options.shard.draws(*step))
         .collect();
-    let subjects = world.crowns.len() as u64 + 1;
-    progress.begin("pictures of levels", subjects * steps.len() as u64);
+    let prunings: Vec<bool> = prunings(&options.variants).collect();
+    let subjects = (world.crowns.len() + 1) * prunings.len();
+    progress.begin("pictures of levels", (subjects * steps.len()) as u64);
+    for pruned in prunings {
+        let other = pruned.then(|| world.simplified_by(Simplifier::Pruning));
+        let world = other.as_ref().unwrap_or(world);
+        looks_of(scene, (world, pruned), options, &steps, progress, &mut take)?;
+    }
+    Ok(())
+}
+
+/// [`looks`] of one of the foliages at these steps.
+fn looks_of<E: From<RunError>>(
+    scene: &Scene,
+    (world, pruned): (&World, bool),
+    options: &LookOptions,
+    steps: &[u32],
+    progress: &dyn Progress,
+    mut take: impl FnMut(Look) -> Result<(), E>,
+) -> Result<(), E> {
     let mut finest = scene.clone();
     finest.model.level = Some(0.0);
     // Any model would do; this one sends least.
@@ -93,10 +117,11 @@ pub fn looks<E: From<RunError>>(
     };
     let (size, kinds) = (session.size, (session.kind, session.trunk));
     let mut session = Session::new(&finest, world, &session)?;
-    for &step in &steps {
+    for &step in steps {
         let at = [step, options.steps];
         session.commit_states(&states_at(scene, world, size, kinds, at))?;
         take(Look {
+            pruned,
             step,
             subject: Subject::Scene,
             shots: vec![session.shot(0)?],
@@ -107,12 +132,13 @@ pub fn looks<E: From<RunError>>(
     drop(session);
     for (number, crown) in world.crowns.iter().enumerate() {
         let mut views = Views::new(crown)?;
-        for &step in &steps {
+        for &step in steps {
             let state = level(crown, step, options.steps);
             views.show(&state)?;
             let visible = state.visible(crown.clusters());
             let measure = measure_leaves(crown.vertices(), crown.sequence(), visible);
             take(Look {
+                pruned,
                 step,
                 subject: Subject::Plant(number),
                 shots: views.shots()?,

@@ -40,7 +40,7 @@ pub use popping::{PopMeter, Popping};
 pub use progress::{Progress, Silent};
 pub use session::{Owner, Session};
 pub use shard::Shard;
-pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
+pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, prunings, sweep};
 pub use views::{Shot, VIEW_SIDE, Views, directions};
 pub use world::{StandingTree, World, crown};
 

@@ -13,7 +13,7 @@ use crate::models::{
     Change, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, State, TreeState,
     TrunkKind, TrunkLevel, Vertices,
 };
-use crate::scene::{ImageSize, Scene};
+use crate::scene::{ImageSize, Scene, Simplifier};
 use crate::simplify::measure_leaves;
 
 /// A model with the choices that change what it sends.
@@ -21,6 +21,8 @@ use crate::simplify::measure_leaves;
 pub struct Variant {
     /// The model and mode.
     pub kind: Kind,
+    /// Whether leaves are pruned, whatever the scene says; else they are simplified as it says.
+    pub pruned: bool,
     /// Whether several ranges go in one transfer.
     pub gathered: bool,
     /// How leaves look as bytes.
@@ -70,10 +72,20 @@ impl Variant {
     pub const fn usual(kind: Kind) -> Self {
         Self {
             kind,
+            pruned: false,
             gathered: false,
             format: LeafFormat::WIDE,
             occlusion: Occlusion::None,
             trunk: None,
+        }
+    }
+
+    /// The same with pruned leaves.
+    #[must_use]
+    pub const fn pruned(self) -> Self {
+        Self {
+            pruned: true,
+            ..self
         }
     }
 
@@ -116,7 +128,7 @@ impl Variant {
     }
 
     /// What a label may end in, in this order, after the kind's.
-    const ENDINGS: [&'static str; 4] = ["-u16", "-quantised", "-occlusion", "-gathered"];
+    const ENDINGS: [&'static str; 5] = ["-pruned", "-u16", "-quantised", "-occlusion", "-gathered"];
 
     /// Whether a card can do it.
     #[must_use]
@@ -124,12 +136,14 @@ impl Variant {
         card.computes() || !self.kind.selects()
     }
 
-    /// The kind's label, then `-u16` with compact records, `-quantised` with quantised vertices,
-    /// `-occlusion` where the device leaves out what is hidden, `-gathered` where ranges are gathered, and `+` and the trunk's label where there is one:
+    /// The kind's label, then `-pruned` with pruned leaves, `-u16` with compact records, `-quantised` with
+    /// quantised vertices, `-occlusion` where the device leaves out what is hidden, `-gathered` where ranges
+    /// are gathered, and `+` and the trunk's label where there is one:
     /// `lodf-slots-gathered+lodstrips-device`.
     #[must_use]
     pub fn label(self) -> String {
         let has = [
+            self.pruned,
             self.format.records == Records::Compact,
             self.format.vertices == Vertices::Quantised,
             self.occlusion == Occlusion::TwoPhase,
@@ -150,13 +164,15 @@ impl Variant {
             Some((foliage, trunk)) => (foliage, Some(TrunkKind::labelled(trunk)?)),
             None => (label, None),
         };
-        let [gathered, occluded, quantised, compact] = [3, 2, 1, 0].map(|ending: usize| {
-            let stripped = base.strip_suffix(Self::ENDINGS[ending]);
-            base = stripped.unwrap_or(base);
-            stripped.is_some()
-        });
+        let [gathered, occluded, quantised, compact, pruned] =
+            [4, 3, 2, 1, 0].map(|ending: usize| {
+                let stripped = base.strip_suffix(Self::ENDINGS[ending]);
+                base = stripped.unwrap_or(base);
+                stripped.is_some()
+            });
         let variant = Self {
             kind: Kind::labelled(base)?,
+            pruned,
             gathered,
             occlusion: if occluded {
                 Occlusion::TwoPhase
@@ -181,8 +197,9 @@ impl Variant {
     }
 
     /// Whether its choices mean something: only slots, stamps, dictated states and trunks on the device
-    /// ever send several ranges that could be gathered, only what has records can have compact ones, and
-    /// only what selects on the device can leave out what is hidden there.
+    /// ever send several ranges that could be gathered, only what has records can have compact ones, only
+    /// what selects on the device can leave out what is hidden there, and only what has levels shows leaves
+    /// that are left.
     #[must_use]
     pub fn is_sound(self) -> bool {
         let trunk_gathers =
@@ -194,7 +211,23 @@ impl Variant {
         (gathers || !self.gathered)
             && occlusion
             && (has_records || self.format.records == Records::Wide)
+            && (self.kind.has_levels() || !self.pruned)
     }
+}
+
+/// Whether the foliage that models show is pruned, for each of the foliages that some of them show: the
+/// scene's first.
+pub fn prunings(variants: &[Variant]) -> impl Iterator<Item = bool> {
+    let wanted = [false, true].map(|pruned| {
+        let mut with_levels = variants.iter().filter(|variant| variant.kind.has_levels());
+        with_levels.any(|variant| variant.pruned == pruned)
+    });
+    // What has no levels shows full detail, which is the same of both.
+    let wanted = [wanted[0] || !wanted[1], wanted[1]];
+    [false, true]
+        .into_iter()
+        .zip(wanted)
+        .filter_map(|(pruned, wanted)| wanted.then_some(pruned))
 }
 
 /// What to walk.
@@ -341,18 +374,25 @@ pub fn sweep(
     progress: &dyn Progress,
 ) -> Result<Sweep, RunError> {
     let mut models = Vec::new();
-    // What is measured depends on the leaves alone, which all models share.
+    // What is measured depends on the leaves alone, which all models of a simplification share.
     let foliage = (Kind::LodfCluster, TrunkKind::FULL);
     let size = options.session.size;
-    let measures: Vec<(f64, u64)> = (0..=options.steps)
-        .map(|step| {
+    let measured = |world: &World| -> Vec<(f64, u64)> {
+        let measures = (0..=options.steps).map(|step| {
             let states = states_at(scene, world, size, foliage, [step, options.steps]);
             measure(world, &states)
-        })
-        .collect();
+        });
+        measures.collect()
+    };
+    let any_pruned = options.variants.iter().any(|variant| variant.pruned);
+    let pruned = any_pruned.then(|| world.simplified_by(Simplifier::Pruning));
+    let pruned = pruned.as_ref().map(|world| (world, measured(world)));
+    let usual = (world, measured(world));
     for &variant in &options.variants {
         progress.begin(&variant.label(), u64::from(options.steps) + 1);
-        models.push(walk(scene, world, options, variant, &measures, progress)?);
+        let pruned = pruned.as_ref().filter(|_| variant.pruned);
+        let (world, measures) = pruned.unwrap_or(&usual);
+        models.push(walk(scene, world, options, variant, measures, progress)?);
     }
     Ok(Sweep { models })
 }

@@ -89,14 +89,16 @@ fn sweeps_take_the_trunk_that_a_variant_names() {
 fn labels_name_every_pair_and_nothing_else() {
     for kind in Kind::ALL {
         for trunk in TrunkKind::all() {
-            for gathered in [false, true] {
+            for [gathered, pruned] in [[false, false], [true, false], [false, true], [true, true]] {
                 let variant = Variant {
                     gathered,
+                    pruned,
                     trunk: Some(trunk),
                     ..Variant::usual(kind)
                 };
                 let found = Variant::labelled(&variant.label());
-                assert!(found == Some(variant) || (gathered && found.is_none()));
+                let unsound = (gathered || (pruned && !kind.has_levels())) && found.is_none();
+                assert!(found == Some(variant) || unsound);
             }
         }
     }
@@ -105,6 +107,8 @@ fn labels_name_every_pair_and_nothing_else() {
         "+mom-host",
         "lodf-slots+mom",
         "lodf-cluster-gathered+mom-host",
+        "lodf-cluster-u16-pruned",
+        "full-pruned",
     ] {
         assert_eq!(Variant::labelled(label), None, "{label}");
     }

@@ -23,19 +23,21 @@ use crate::run::{Look, Subject, SweepModel, SweepStep};
 
 /// What every level that was looked at does to the picture.
 ///
-/// Levels alone decide it: by law all models show the same at a level, so it is found once a level.
-/// Whether they do is seen from the digest of the scene's picture, by [`of`](Self::of).
+/// Levels alone decide it, and whether leaves are pruned: by law all other models show the same at a
+/// level, so it is found once a level. Whether they do is seen from the digest of the scene's picture, by [`of`](Self::of).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepQuality {
     /// Plants that were looked at, each alone and once however many of it stand.
     pub plants: usize,
-    /// The levels, ascending, full detail first.
+    /// The levels, ascending, full detail first; those of pruned foliage after all others.
     pub steps: Vec<StepQuality>,
 }
 
 /// What a level does to the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepQuality {
+    /// Whether leaves are pruned, whatever the scene says.
+    pub pruned: bool,
     /// The step of the walk.
     pub step: u32,
     /// The digest of the scene's own picture at this step.
@@ -65,11 +67,16 @@ impl SweepQuality {
     }
 
     fn at(&self, model: &SweepModel, step: &SweepStep) -> Option<&StepQuality> {
-        let found = self.steps.iter().find(|found| found.step == step.step)?;
+        let wanted = (model.variant.pruned, step.step);
+        let mut steps = self.steps.iter();
         if model.variant.kind.has_levels() {
-            Some(found)
+            steps.find(|found| (found.pruned, found.step) == wanted)
         } else {
-            self.steps.first()
+            let first = steps.next()?;
+            steps
+                .chain([first])
+                .any(|found| found.step == step.step)
+                .then_some(first)
         }
     }
 }
@@ -77,15 +84,16 @@ impl SweepQuality {
 /// Takes looks one after another and holds each against full detail.
 #[derive(Debug, Default)]
 pub struct QualityMeter {
-    /// The subject that is looked at, and how it looks at full detail.
+    /// What is looked at, and how it looks at full detail.
     reference: Option<Reference>,
-    steps: BTreeMap<u32, Sums>,
+    /// By whether foliage is pruned, and step.
+    steps: BTreeMap<(bool, u32), Sums>,
     plants: usize,
 }
 
 #[derive(Debug)]
 struct Reference {
-    subject: Subject,
+    subject: (bool, Subject),
     views: Vec<PictureView>,
     leaf_area: f64,
 }
@@ -107,11 +115,14 @@ impl QualityMeter {
         let digest = look.shots.first().map(|shot| shot.image.digest());
         let shots = look.shots.into_iter();
         let views: Vec<PictureView> = shots.map(PictureView::of).collect::<Result<_, _>>()?;
-        let is_known = |reference: &Reference| reference.subject == look.subject;
+        let subject = (look.pruned, look.subject);
+        let is_known = |reference: &Reference| reference.subject == subject;
+        if let Subject::Plant(plant) = look.subject {
+            self.plants = self.plants.max(plant + 1);
+        }
         if !self.reference.as_ref().is_some_and(is_known) {
-            self.plants += usize::from(look.subject != Subject::Scene);
             self.reference = Some(Reference {
-                subject: look.subject,
+                subject,
                 views: views.clone(),
                 leaf_area: look.leaf_area,
             });
@@ -123,7 +134,7 @@ impl QualityMeter {
         let found: Vec<ViewQuality> = pairs
             .map(|(full, level)| ViewQuality::between(full, level))
             .collect::<Result<_, _>>()?;
-        let sums = self.steps.entry(look.step).or_default();
+        let sums = self.steps.entry((look.pruned, look.step)).or_default();
         match look.subject {
             Subject::Scene => sums.frame = digest.zip(found.first().copied()),
             Subject::Plant(_) => {
@@ -138,9 +149,10 @@ impl QualityMeter {
     /// What was found; levels of which the scene's own picture was not taken are left out.
     #[must_use]
     pub fn finish(self) -> SweepQuality {
-        let step = |(step, sums): (u32, Sums)| {
+        let step = |((pruned, step), sums): ((bool, u32), Sums)| {
             let (image_digest, frame) = sums.frame?;
             Some(StepQuality {
+                pruned,
                 step,
                 image_digest,
                 frame,
@@ -173,6 +185,7 @@ mod tests {
     /// A picture of the test's own with leaves in its first `leaves` pixels.
     fn look(step: u32, subject: Subject, leaves: usize, leaf_area: f64) -> Look {
         Look {
+            pruned: false,
             step,
             subject,
             shots: vec![view::tests::shot(leaves), view::tests::shot(2 * leaves)],

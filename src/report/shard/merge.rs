@@ -11,7 +11,7 @@ use crate::math::index_u32;
 use crate::report::run::{FrameRow, PathEntry, RunFolder, RunHeader};
 use crate::report::sweep::{SweepHeader, write_sweep};
 use crate::report::{OutputFolder, Picture, ReportError, SweepQuality};
-use crate::run::{Frame, Progress, Sweep, SweepModel, looked_at};
+use crate::run::{Frame, Progress, Sweep, SweepModel, Variant, looked_at, prunings};
 
 /// What was joined.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,7 +81,8 @@ pub fn merge(
             let sweep = Sweep {
                 models: joined_steps(&mut shards, steps, models, progress)?,
             };
-            let quality = looks.map(|looks| joined_looks(&mut shards, steps, looks));
+            let variants: Vec<Variant> = sweep.models.iter().map(|model| model.variant).collect();
+            let quality = looks.map(|looks| joined_looks(&mut shards, &variants, steps, looks));
             let quality = quality.transpose()?;
             ended(&mut shards)?;
             write_sweep(&folder, &header, &sweep, quality.as_ref())?;
@@ -219,6 +220,7 @@ fn joined_steps(
 
 fn joined_looks(
     shards: &mut [ShardFile],
+    variants: &[Variant],
     steps: u32,
     looks: u32,
 ) -> Result<SweepQuality, ReportError> {
@@ -226,10 +228,12 @@ fn joined_looks(
         plants: 0,
         steps: Vec::new(),
     };
-    for step in looked_at(steps, looks) {
+    let lines = prunings(variants)
+        .flat_map(|pruned| looked_at(steps, looks).map(move |step| (pruned, step)));
+    for (pruned, step) in lines {
         let shard = shard_of(shards, step);
         match shard.next::<LookLine>()? {
-            Some(line) if line.look == step => {
+            Some(line) if (line.quality().pruned, line.look) == (pruned, step) => {
                 quality.plants = line.plants;
                 quality.steps.push(line.quality());
             }

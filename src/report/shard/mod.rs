@@ -200,6 +200,8 @@ pub fn write_sweep_shard(
 #[serde(deny_unknown_fields)]
 struct LookLine {
     plants: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pruned: Option<bool>,
     look: u32,
     image_digest: Digest,
     frame: [u64; 3],
@@ -223,6 +225,7 @@ impl LookLine {
         let foliage = &step.foliage;
         Self {
             plants,
+            pruned: step.pruned.then_some(true),
             look: step.step,
             image_digest: step.image_digest,
             frame: [covered, silhouette, flip].map(f64::to_bits),
@@ -242,6 +245,7 @@ impl LookLine {
             Spread { mean, worst }
         };
         StepQuality {
+            pruned: self.pruned == Some(true),
             step: self.look,
             image_digest: self.image_digest,
             frame: ViewQuality {

@@ -130,11 +130,31 @@ pub fn quality_table(quality: &SweepQuality, most: usize) -> Table {
         "SSIM, scene",
     ];
     let rows = evenly(quality.steps.len(), most).into_iter();
+    let steps: Vec<&StepQuality> = rows.map(|index| &quality.steps[index]).collect();
+    let simplified = |step: &StepQuality| Cell::Text(foliage_name(step.pruned).to_owned());
+    let names = has_pruned(quality).then(|| Column::words("foliage"));
+    let numbers = headings.into_iter().map(Column::numbers);
+    let row = |step: &StepQuality| {
+        let name = names.is_some().then(|| simplified(step));
+        name.into_iter().chain(table_cells(quality, step)).collect()
+    };
     Table {
-        columns: headings.into_iter().map(Column::numbers).collect(),
-        rows: rows
-            .map(|index| table_cells(quality, &quality.steps[index]))
-            .collect(),
+        rows: steps.into_iter().map(row).collect(),
+        columns: names.into_iter().chain(numbers).collect(),
+    }
+}
+
+/// Whether some of the foliage is pruned beside what the scene says.
+fn has_pruned(quality: &SweepQuality) -> bool {
+    quality.steps.iter().any(|step| step.pruned)
+}
+
+/// How foliage is simplified.
+fn foliage_name(pruned: bool) -> &'static str {
+    if pruned {
+        "pruned"
+    } else {
+        "as the scene says"
     }
 }
 
@@ -211,28 +231,41 @@ fn agreement(sweep: &Sweep, quality: &SweepQuality) -> String {
 /// The plots with the names of their files, without `.svg`.
 #[must_use]
 pub fn quality_plots(quality: &SweepQuality) -> Vec<(&'static str, Plot)> {
-    let line = |name: &str, value: &dyn Fn(&StepQuality) -> f64| {
+    let both = has_pruned(quality);
+    // A line of each foliage.
+    let line = |name: &str, value: &dyn Fn(&StepQuality) -> f64| -> Vec<Series> {
         let point = |step: &StepQuality| [detail(quality, step), value(step)];
-        Series {
-            name: name.to_owned(),
-            points: quality.steps.iter().map(point).collect(),
-        }
+        let of = |pruned: bool| Series {
+            name: match both {
+                true => format!("{name}, {}", foliage_name(pruned)),
+                false => name.to_owned(),
+            },
+            points: quality
+                .steps
+                .iter()
+                .filter(|step| step.pruned == pruned)
+                .map(point)
+                .collect(),
+        };
+        let lines = [false, true].map(of).into_iter();
+        lines.filter(|line| !line.points.is_empty()).collect()
     };
     let views = |spread: fn(&QualitySummary) -> Spread| {
-        vec![
+        [
             line("mean of the views", &|step| spread(&step.foliage).mean),
             line("worst view", &|step| spread(&step.foliage).worst),
         ]
+        .concat()
     };
     let with_scene = |mut lines: Vec<Series>, value: &dyn Fn(&ViewQuality) -> f64| {
-        lines.push(line("the scene's camera", &|step| value(&step.frame)));
+        lines.extend(line("the scene's camera", &|step| value(&step.frame)));
         lines
     };
     let area = line("leaves", &|step| step.leaf_area);
     let share = "share of full detail";
     let of = |title, label, lines| plot(title, label, Scale::Linear, lines);
     vec![
-        ("quality-area", of("Area of the leaves", share, vec![area])),
+        ("quality-area", of("Area of the leaves", share, area)),
         (
             "quality-covered",
             of(

@@ -68,6 +68,7 @@ impl PruningOptions {
 /// group where that is more, or all where that is less. The cost of a collapse is how many times its
 /// original's area the new leaf has.
 #[must_use]
+#[expect(clippy::missing_panics_doc, reason = "no input reaches it")]
 pub fn prune_leaves(foliage: &Foliage, options: &PruningOptions) -> CollapseSequence {
     let clusters = partition::clusters(foliage, options.stop_leaves);
     let pairs = order::pairs(clusters, options.seed);

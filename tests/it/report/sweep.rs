@@ -25,13 +25,13 @@ pub(super) fn sweep_header() -> SweepHeader {
 }
 
 pub(super) fn tiny_sweep() -> Sweep {
-    sweep_share(Shard::WHOLE)
+    sweep_share(&Variant::ALL, Shard::WHOLE)
 }
 
-fn sweep_share(shard: Shard) -> Sweep {
+fn sweep_share(variants: &[Variant], shard: Shard) -> Sweep {
     let scene = scene("cluster", "uniform");
     let options = SweepOptions {
-        variants: Variant::ALL.to_vec(),
+        variants: variants.to_vec(),
         steps: 4,
         shard,
         session: SessionOptions {
@@ -104,9 +104,10 @@ fn sweeps_have_the_keys_of_the_contract_and_all_files() {
 }
 
 /// The tiny scene's levels 0 and 4, held against full detail; of the foliage two views only.
-fn tiny_quality() -> SweepQuality {
+fn tiny_quality(variants: &[Variant]) -> SweepQuality {
     let scene = scene("cluster", "uniform");
     let options = LookOptions {
+        variants: variants.to_vec(),
         steps: 4,
         looks: 1,
         shard: Shard::WHOLE,
@@ -131,7 +132,7 @@ fn tiny_quality() -> SweepQuality {
 fn quality_is_the_same_for_all_models_and_told_in_every_form() {
     let root = tempfile::tempdir().unwrap();
     let target = root.path().join("sweep");
-    let (sweep, quality) = (tiny_sweep(), tiny_quality());
+    let (sweep, quality) = (tiny_sweep(), tiny_quality(&Variant::ALL));
     let [full, coarse] = &quality.steps[..] else {
         panic!("two levels, not {}", quality.steps.len());
     };
@@ -179,10 +180,67 @@ fn quality_is_the_same_for_all_models_and_told_in_every_form() {
     assert!(text.contains("1 (1)"), "{text}");
 }
 
+/// What has no levels, leaf collapses, and pruned leaves in two modes.
+const BOTH_FOLIAGES: [Variant; 4] = [
+    Variant::usual(Kind::Full),
+    Variant::usual(Kind::LodfCluster),
+    Variant::usual(Kind::LodfCluster).pruned(),
+    Variant::usual(Kind::LodfStamps).pruned().compact(),
+];
+
+#[test]
+fn pruned_foliage_is_looked_at_beside_the_scenes() {
+    let (sweep, quality) = (
+        sweep_share(&BOTH_FOLIAGES, Shard::WHOLE),
+        tiny_quality(&BOTH_FOLIAGES),
+    );
+    let labels = sweep.models.iter().map(|model| model.variant.label());
+    let wanted = [
+        "full",
+        "lodf-cluster",
+        "lodf-cluster-pruned",
+        "lodf-stamps-pruned-u16",
+    ];
+    assert_eq!(labels.collect::<Vec<_>>(), wanted);
+    let steps = quality.steps.iter().map(|step| (step.pruned, step.step));
+    let wanted = [(false, 0), (false, 4), (true, 0), (true, 4)];
+    assert_eq!(steps.collect::<Vec<_>>(), wanted);
+    assert_eq!(quality.plants, 1);
+    let of = |model: usize, step: usize| {
+        let model = &sweep.models[model];
+        quality
+            .of(model, &model.steps[step])
+            .expect("all show the same")
+    };
+    assert_eq!(of(1, 0).foliage, of(2, 0).foliage);
+    assert_eq!(of(0, 4), of(1, 0));
+    assert_eq!(of(2, 4), of(3, 4));
+    assert_ne!(of(1, 4).image_digest, of(2, 4).image_digest);
+    // Pruned leaves keep their area, and as many are left.
+    assert!((of(2, 4).leaf_area - 1.0).abs() < 1e-6);
+    let last = sweep.models.iter().map(|model| model.steps[4].leaves);
+    let [full, collapsed, pruned, compact] = last.collect::<Vec<_>>()[..] else {
+        panic!("four models");
+    };
+    assert!(full > collapsed && collapsed == pruned && pruned == compact);
+    let text = sweep_text(&sweep, Some(&quality), 120);
+    assert!(
+        text.contains("as the scene says") && text.contains("pruned "),
+        "{text}"
+    );
+    let root = tempfile::tempdir().unwrap();
+    let target = root.path().join("sweep");
+    let folder = OutputFolder::create(&target).unwrap();
+    write_sweep(&folder, &sweep_header(), &sweep, Some(&quality)).unwrap();
+    folder.commit().unwrap();
+    let plot = read(&target, "plots/quality-area.svg");
+    assert!(plot.contains("leaves, pruned"), "{plot}");
+}
+
 #[test]
 fn joined_shards_tell_of_the_levels_what_all_tell() {
     let root = tempfile::tempdir().unwrap();
-    let quality = tiny_quality();
+    let quality = tiny_quality(&BOTH_FOLIAGES);
     let write = |name: &str, sweep: &Sweep, quality: &SweepQuality, shard: Option<Shard>| {
         let target = root.path().join(name);
         let folder = OutputFolder::create(&target).unwrap();
@@ -198,13 +256,19 @@ fn joined_shards_tell_of_the_levels_what_all_tell() {
         folder.commit().unwrap();
         target
     };
-    let whole = write("whole", &tiny_sweep(), &quality, None);
+    let whole = write(
+        "whole",
+        &sweep_share(&BOTH_FOLIAGES, Shard::WHOLE),
+        &quality,
+        None,
+    );
     let shards = [0, 1, 2].map(|index| {
         let shard = Shard { index, count: 3 };
         let mut own = quality.clone();
         own.steps
             .retain(|step| step.step == 0 || shard.draws(step.step));
-        write(&index.to_string(), &sweep_share(shard), &own, Some(shard))
+        let sweep = sweep_share(&BOTH_FOLIAGES, shard);
+        write(&index.to_string(), &sweep, &own, Some(shard))
     });
     let target = root.path().join("merged");
     merge(&shards, |_, _| target.clone(), &Silent).unwrap();
@@ -216,7 +280,7 @@ fn joined_shards_tell_of_the_levels_what_all_tell() {
 
 #[test]
 fn a_model_that_shows_something_else_is_named_and_not_judged() {
-    let (mut sweep, quality) = (tiny_sweep(), tiny_quality());
+    let (mut sweep, quality) = (tiny_sweep(), tiny_quality(&Variant::ALL));
     sweep.models[3].steps[4].image_digest = sweep.models[3].steps[0].image_digest;
     let model = &sweep.models[3];
     assert_eq!(quality.of(model, &model.steps[4]), None);
