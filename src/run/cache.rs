@@ -298,6 +298,7 @@ fn leaf_collapse_key(foliage: &Foliage, options: &LeafCollapseOptions) -> Digest
         area_weight,
         area_gain,
         form_weight,
+        exposure,
         coplanarity_threshold,
         distance_threshold,
     } = *options;
@@ -313,6 +314,7 @@ fn leaf_collapse_key(foliage: &Foliage, options: &LeafCollapseOptions) -> Digest
         area_weight,
         area_gain,
         form_weight,
+        exposure,
     ] {
         digester.f32(weight);
     }
@@ -446,6 +448,10 @@ mod tests {
             }),
             key(LeafCollapseOptions {
                 form_weight: 0.7,
+                ..base
+            }),
+            key(LeafCollapseOptions {
+                exposure: 0.7,
                 ..base
             }),
             key(LeafCollapseOptions {

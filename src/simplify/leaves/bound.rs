@@ -19,6 +19,8 @@ pub(super) struct Outline<T> {
     pub(super) normal: [T; 3],
     /// The least area that may be wanted for the originals under it.
     pub(super) area: T,
+    /// What counts of it: [`Weights::seen`].
+    pub(super) seen: T,
 }
 
 /// The outlines of the leaves of a block, by slot: number by number, as a processor takes several at
@@ -59,6 +61,7 @@ impl Bounds {
             radius,
             normal,
             area,
+            seen,
         } = &self.0;
         let count = radius.len();
         // All lists cut to one length: the loop then needs no checks, and runs four lanes wide.
@@ -66,7 +69,7 @@ impl Bounds {
         let [high_x, high_y, high_z] = high.each_ref().map(|list| &list[..count]);
         let [x, y, z] = middle.each_ref().map(|list| &list[..count]);
         let [normal_x, normal_y, normal_z] = normal.each_ref().map(|list| &list[..count]);
-        let (radius, area) = (&radius[..count], &area[..count]);
+        let (radius, area, seen) = (&radius[..count], &area[..count], &seen[..count]);
         least.clear();
         least.resize(count, 0.0);
         let least_area = weights.least_area();
@@ -85,21 +88,38 @@ impl Bounds {
             );
             let wanted = greater(area[slot] + area[other], least_area);
             let missing = greater(1.0 - 2.000_1 * (ball * ball) / wanted, 0.0);
-            *least = weights.least(greater(low, high), greater(bend - 1e-6, 0.0), missing);
+            let placed = weights.placed(greater(low, high), greater(bend - 1e-6, 0.0));
+            *least = weights.least(placed, missing, [seen[slot], seen[other]]);
         }
     }
 }
 
 impl<T> Outline<T> {
-    fn into_rows(self) -> [T; 14] {
+    fn into_rows(self) -> [T; 15] {
         let [a, b, c] = self.low;
         let [d, e, f] = self.high;
         let [g, h, i] = self.middle;
         let [j, k, l] = self.normal;
-        [a, b, c, d, e, f, g, h, i, j, k, l, self.radius, self.area]
+        [
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            g,
+            h,
+            i,
+            j,
+            k,
+            l,
+            self.radius,
+            self.area,
+            self.seen,
+        ]
     }
 
-    fn rows_mut(&mut self) -> [&mut T; 14] {
+    fn rows_mut(&mut self) -> [&mut T; 15] {
         let [a, b, c] = &mut self.low;
         let [d, e, f] = &mut self.high;
         let [g, h, i] = &mut self.middle;
@@ -119,13 +139,15 @@ impl<T> Outline<T> {
             l,
             &mut self.radius,
             &mut self.area,
+            &mut self.seen,
         ]
     }
 }
 
 impl Outline<f32> {
-    /// The outline of a leaf: `ends` are the least and the greatest coordinates.
-    pub(super) fn of(shape: &Shape, ends: [Vec3; 2], area: f32) -> Self {
+    /// The outline of a leaf: `ends` are the least and the greatest coordinates, `area` and `seen` what
+    /// the cost says of it.
+    pub(super) fn of(shape: &Shape, ends: [Vec3; 2], area: f32, seen: f32) -> Self {
         let middle = shape.points.middle();
         let squares = shape
             .points
@@ -139,6 +161,7 @@ impl Outline<f32> {
             radius: squares.into_iter().fold(0.0, f32::max).sqrt(),
             normal: shape.normal.to_array(),
             area,
+            seen,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Two leaves become one: the quads that a pair offers, and which of them is taken.
 
 use super::super::measure::quad_is_folded;
-use super::cost::Weights;
+use super::cost::{Weights, mean};
 use super::shape::{Four, Shape};
 use crate::math::Vec3;
 
@@ -10,8 +10,8 @@ use crate::math::Vec3;
 pub(super) struct Candidate {
     /// Bit `r` says that the corner of role `r` is that of the second leaf.
     choice: usize,
-    /// What its area and form cost.
-    pub(super) penalty: f32,
+    /// What the pair costs that it replaces.
+    pub(super) cost: f32,
 }
 
 /// All corners are those of the second leaf.
@@ -19,39 +19,50 @@ const ALL: usize = 0b1111;
 
 impl Candidate {
     /// The best quad of the 14 that take each corner role from either leaf and corners from both;
-    /// `None` when all are folded or cost more than `limit`.
+    /// `None` when all are folded or cost more than `limit`. `placed` is what it costs to move a leaf
+    /// that counts 1.
     ///
-    /// The least penalty wins, then the longer least edge, then the lower vertex numbers. Areas are
+    /// The least cost wins, then the longer least edge, then the lower vertex numbers. Areas are
     /// compared in `f32`, folds are decided as [`is_folded`](super::super::is_folded) does.
-    pub(super) fn best(pair: [&Shape; 2], weights: &Weights, limit: f32) -> Option<Self> {
+    pub(super) fn best(
+        pair: [&Shape; 2],
+        weights: &Weights,
+        placed: f32,
+        limit: f32,
+    ) -> Option<Self> {
         let wanted = weights.wanted_area(pair);
         let ends = ends([&pair[0].points, &pair[1].points]);
-        let penalties = DIAGONALS.map(|diagonal| {
-            let start = source(pair, diagonal, 0).points.at(0);
-            let end = source(pair, diagonal, 2).points.at(2);
-            weights.area_penalties(quad_areas(&ends, start, end), wanted)
-        });
-        // Most pairs end here.
-        if least(penalties.map(least)) > limit {
-            return None;
-        }
+        let seen = pair.map(|leaf| weights.seen(leaf));
+        let mean = mean(seen);
+        let moved = moved(seen);
         let mut best: Option<Self> = None;
         let mut most = limit;
-        for (diagonal, penalties) in DIAGONALS.into_iter().zip(penalties) {
+        for diagonal in DIAGONALS {
+            let start = source(pair, diagonal, 0).points.at(0);
+            let end = source(pair, diagonal, 2).points.at(2);
+            let penalties = weights.area_penalties(quad_areas(&ends, start, end), wanted);
             for (penalty, others) in penalties.into_iter().zip(OTHERS) {
                 let choice = diagonal | others;
-                if penalty > most || choice == 0 || choice == ALL {
+                if choice == 0 || choice == ALL {
+                    continue;
+                }
+                let placed = moved[choice.count_ones() as usize] * placed;
+                // Most end here: rounding never makes a sum less than its parts.
+                if placed + mean * penalty > most {
                     continue;
                 }
                 let quad = points(pair, choice);
-                let penalty = penalty + weights.form_penalty(&quad);
-                let candidate = Self { choice, penalty };
-                if penalty <= most
+                let cost = placed + mean * (penalty + weights.form_penalty(&quad));
+                let candidate = Self {
+                    choice,
+                    cost: cost.min(f32::MAX),
+                };
+                if candidate.cost <= most
                     && best.is_none_or(|best| candidate.beats(best, pair))
                     && !quad_is_folded(quad.all().map(Vec3::as_dvec3))
                 {
                     best = Some(candidate);
-                    most = penalty;
+                    most = candidate.cost;
                 }
             }
         }
@@ -64,8 +75,8 @@ impl Candidate {
             let squares = [a - b, b - c, c - d, d - a].map(Vec3::length_squared);
             squares.into_iter().fold(f32::INFINITY, f32::min)
         };
-        self.penalty
-            .total_cmp(&other.penalty)
+        self.cost
+            .total_cmp(&other.cost)
             .then_with(|| least_edge(other).total_cmp(&least_edge(self)))
             .then_with(|| corners(pair, self.choice).cmp(&corners(pair, other.choice)))
             .is_lt()
@@ -76,8 +87,7 @@ impl Candidate {
         Shape::new(
             corners(pair, self.choice),
             points(pair, self.choice),
-            pair[0].original_area + pair[1].original_area,
-            pair[0].originals + pair[1].originals,
+            pair[0].under.and(pair[1].under),
         )
     }
 }
@@ -104,9 +114,10 @@ fn corners(pair: [&Shape; 2], choice: usize) -> [u32; 4] {
 /// What the corners 0 and 2 may be.
 const DIAGONALS: [usize; 4] = [0b000, 0b001, 0b100, 0b101];
 
-fn least([a, b, c, d]: [f32; 4]) -> f32 {
-    let lesser = |a: f32, b: f32| if a < b { a } else { b };
-    lesser(lesser(a, b), lesser(c, d))
+/// What the two leaves count that lose corners, by how many corners are the second's: each counts by
+/// the share of its own that it loses.
+fn moved([first, second]: [f32; 2]) -> [f32; 5] {
+    [0.0, 1.0, 2.0, 3.0, 4.0].map(|corners| 0.25 * (corners * first + (4.0 - corners) * second))
 }
 
 /// What the four quads of [`quad_areas`] choose for corners 1 and 3.

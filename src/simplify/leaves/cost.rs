@@ -24,6 +24,8 @@ pub(super) struct Weights {
     least_area: f64,
     /// How many times their area four originals want.
     gain: f64,
+    /// How far costs go by what is seen, from 0 to 1.
+    exposure: f32,
     most_bend: f32,
     most_distance: f32,
 }
@@ -46,6 +48,11 @@ impl Weights {
             } else {
                 f64::from(options.area_gain.clamp(0.25, 4.0))
             },
+            exposure: if options.exposure > 0.0 {
+                options.exposure.min(1.0)
+            } else {
+                0.0
+            },
             most_bend: threshold(options.coplanarity_threshold),
             most_distance: single(f64::from(threshold(options.distance_threshold)) * scale.spacing),
         }
@@ -62,30 +69,39 @@ impl Weights {
         if bend > self.most_bend {
             return None;
         }
-        let reach = self.reach(limit);
+        let seen = pair.map(|leaf| self.seen(leaf));
+        let reach = self.reach(limit / least_move(seen));
         let apart = distance(self.measure, &first.points, &second.points, reach);
         if apart > self.most_distance {
             return None;
         }
-        let placed = (self.distance * apart + self.coplanarity * bend).min(f32::MAX);
-        if placed > limit {
+        let placed = self.placed(apart, bend).min(f32::MAX);
+        if least_move(seen) * placed > limit * 1.000_01 {
             return None;
         }
-        // A little more than what is left, so that rounding refuses nothing.
-        let left = (limit - placed) + 1e-5 * limit;
-        let candidate = Candidate::best(pair, self, left)?;
-        let cost = (placed + candidate.penalty).min(f32::MAX);
-        (cost <= limit).then_some((cost, candidate))
+        let candidate = Candidate::best(pair, self, placed, limit)?;
+        Some((candidate.cost, candidate))
+    }
+
+    /// What a leaf counts: what is seen of the originals under it, in mean originals, as far as that
+    /// is to count at all.
+    pub(super) fn seen(&self, shape: &Shape) -> f32 {
+        (1.0 - self.exposure) + self.exposure * shape.under.seen
+    }
+
+    /// What it costs to move a leaf that counts 1 by a distance and a bend.
+    #[inline]
+    pub(super) fn placed(&self, apart: f32, bend: f32) -> f32 {
+        self.distance * apart + self.coplanarity * bend
     }
 
     /// The area that a quad should have that replaces both: that of all originals under it, times
     /// the gain as far as there are four.
     pub(super) fn wanted_area(&self, [first, second]: [&Shape; 2]) -> f32 {
-        let originals = first.originals.saturating_add(second.originals);
-        let part = f64::from(originals.min(4) - 1) / 3.0;
+        let under = first.under.and(second.under);
+        let part = f64::from(under.count.min(4) - 1) / 3.0;
         let gain = 1.0 + (self.gain - 1.0) * part;
-        let area = gain * (first.original_area + second.original_area);
-        single(area.max(self.least_area))
+        single((gain * under.area).max(self.least_area))
     }
 
     /// The least area that is ever wanted.
@@ -134,16 +150,30 @@ impl Weights {
             LeafDistance::Hausdorff => [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))],
             LeafDistance::Centers => [shape.points.middle(); 2],
         };
-        let area = shape.original_area * self.gain.min(1.0);
-        Outline::of(shape, ends, single(area))
+        let area = shape.under.area * self.gain.min(1.0);
+        Outline::of(shape, ends, single(area), self.seen(shape))
     }
 
-    /// What a pair costs at least of which so much is known: all terms are 0 or more.
+    /// What a pair costs at least that costs so much to place and whose area is short by so much.
     #[inline]
-    pub(super) fn least(&self, apart: f32, bend: f32, missing: f32) -> f32 {
-        let placed = self.distance * apart + self.coplanarity * bend;
-        0.999_9 * (placed + self.area * (missing * missing))
+    pub(super) fn least(&self, placed: f32, missing: f32, seen: [f32; 2]) -> f32 {
+        let area = self.area * (missing * missing);
+        0.999_9 * (least_move(seen) * placed + mean(seen) * area)
     }
+}
+
+/// What two leaves count of which the one that counts more loses one of its corners, and the other
+/// three: no quad with corners of both costs less.
+#[inline]
+fn least_move([first, second]: [f32; 2]) -> f32 {
+    let lesser = if first < second { first } else { second };
+    0.25 * (first + second) + 0.5 * lesser
+}
+
+/// What two leaves count of which each loses half, and what their new leaf's area and form count.
+#[inline]
+pub(super) fn mean([first, second]: [f32; 2]) -> f32 {
+    0.5 * (first + second)
 }
 
 /// The distance, or infinity for more than `reach`.

@@ -10,8 +10,9 @@ use super::super::measure::quad_area;
 use super::LeafCollapseOptions;
 use super::block::{Block, Join};
 use super::cost::Weights;
+use super::exposure::exposures;
 use super::partition::partition;
-use super::shape::{Four, Scale, Shape};
+use super::shape::{Four, Originals, Scale, Shape};
 use crate::math::{DVec3, index_u32};
 use crate::plant::Foliage;
 
@@ -23,6 +24,13 @@ const IDLE_ROUNDS: usize = 5;
 /// Less makes more rounds, each of which looks at all leaves anew; more lets leaves at borders pay
 /// for a worse partner of their own block.
 const ROUND_PERCENT: usize = 75;
+
+/// What is seen of a leaf at least, as a share of what is seen of a mean leaf.
+///
+/// Less lets what is hidden lose area and fall into fewer, larger clusters (a prickly juniper keeps 91 %
+/// of its area at a quarter of its leaves with 0.02, and 98 % with 0.2); more raises FLIP, by more
+/// than a third with 0.2.
+const LEAST_SEEN: f32 = 0.1;
 
 /// One block of so many tells what a round may cost.
 const SAMPLE: usize = 8;
@@ -51,6 +59,7 @@ impl Crown {
             .map(|leaf| [0, 1, 2, 3].map(|role| leaf[role].as_dvec3()))
             .collect();
         let scale = Scale::of(&leaves);
+        let seen = shares_seen(&leaves);
         let mut groups = Vec::new();
         let mut corners = Vec::with_capacity(2 * leaves.len());
         for (group, _) in foliage.quad_groups() {
@@ -63,8 +72,11 @@ impl Crown {
                 left.shapes.push(Shape::new(
                     corners[leaf as usize],
                     Four::new(quad.map(DVec3::as_vec3)),
-                    quad_area(quad),
-                    1,
+                    Originals {
+                        count: 1,
+                        area: quad_area(quad),
+                        seen: seen[leaf as usize],
+                    },
                 ));
             }
             groups.push(left);
@@ -193,6 +205,31 @@ impl Crown {
             queue.extend(run.head(head.run).map(Reverse));
         }
     }
+}
+
+/// What is seen of each leaf, as a share of what is seen of a mean leaf.
+///
+/// At least [`LEAST_SEEN`]: nothing is for nothing.
+fn shares_seen(leaves: &[[DVec3; 4]]) -> Vec<f32> {
+    let seen = exposures(leaves).into_iter().zip(leaves);
+    let seen: Vec<f64> = seen
+        .map(|(exposure, &leaf)| f64::from(exposure) * quad_area(leaf))
+        .collect();
+    let mean = seen.iter().fold(0.0, |sum, seen| sum + seen) / seen.len().max(1) as f64;
+    let share = |seen: f64| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rounds; at most the number of leaves"
+        )]
+        let share = (seen / mean) as f32;
+        // No leaf has an area: all are alike.
+        if mean > 0.0 {
+            share.max(LEAST_SEEN)
+        } else {
+            1.0
+        }
+    };
+    seen.into_iter().map(share).collect()
 }
 
 /// The leaves of a block: their group, and their places among the group's leaves.

@@ -115,11 +115,16 @@ fn below(count: usize, share: f32) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::Four;
+    use super::super::shape::{Four, Originals};
     use super::*;
 
     #[test]
     fn every_leaf_is_in_one_block_and_borders_move() {
+        let under = Originals {
+            count: 1,
+            area: 1.0,
+            seen: 1.0,
+        };
         for spread in [0.001, 1.0, 1000.0] {
             let shapes: Vec<Shape> = (0..1000_u16)
                 .map(|leaf| {
@@ -127,7 +132,7 @@ mod tests {
                     let y = spread * f32::from(leaf / 100);
                     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
                     let points = corners.map(|(u, v)| Vec3::new(x + u, y + v, 0.0));
-                    Shape::new([0, 1, 2, 3], Four::new(points), 1.0, 1)
+                    Shape::new([0, 1, 2, 3], Four::new(points), under)
                 })
                 .collect();
             for round in 0..5 {

@@ -14,21 +14,40 @@ pub(super) struct Shape {
     pub(super) points: Four,
     /// The normalised cross product of the diagonals; zero for a leaf without area.
     pub(super) normal: Vec3,
-    /// The area of the originals under it.
-    pub(super) original_area: f64,
-    /// How many originals there are under it.
-    pub(super) originals: u32,
+    /// The originals under it.
+    pub(super) under: Originals,
+}
+
+/// The originals that a leaf stands for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Originals {
+    /// How many there are.
+    pub(super) count: u32,
+    /// Their areas together.
+    pub(super) area: f64,
+    /// What is seen of them, in what is seen of a mean original.
+    pub(super) seen: f32,
+}
+
+impl Originals {
+    /// Both together.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            count: self.count.saturating_add(other.count),
+            area: self.area + other.area,
+            seen: self.seen + other.seen,
+        }
+    }
 }
 
 impl Shape {
-    pub(super) fn new(corners: [u32; 4], points: Four, original_area: f64, originals: u32) -> Self {
+    pub(super) fn new(corners: [u32; 4], points: Four, under: Originals) -> Self {
         let [a, b, c, d] = points.all().map(Vec3::as_dvec3);
         Self {
             corners,
             points,
             normal: (c - a).cross(d - b).normalize_or_zero().as_vec3(),
-            original_area,
-            originals,
+            under,
         }
     }
 }
