@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::bus::{Bus, Recording};
 use super::compute::ComputeProgram;
-use super::parts::GEOMETRY_BYTES;
+use super::mesh::Meshes;
 use super::program::Program;
 use super::reads::ReadSet;
 use super::resource::{Buffer, TargetSlot, TextureSlot};
@@ -16,7 +16,9 @@ use super::{
 };
 use crate::limits;
 use crate::math::{index_u32, index_usize};
-use crate::raster::{Image, Key, MipMap, Options, ProbedFragment, Samples, Target};
+use crate::raster::{
+    Image, Instructions, Key, Machine, MipMap, Options, ProbedFragment, Samples, Skips, Target,
+};
 
 /// What a device is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +48,9 @@ pub struct Device {
     peak: u64,
     /// Bytes of buffers in host memory.
     hosted: u64,
-    pub(super) geometry_bytes: u64,
+    pub(super) machine: Machine,
+    pub(super) meshes: Meshes,
+    pub(super) skips: Skips,
 }
 
 impl Device {
@@ -65,7 +69,9 @@ impl Device {
             resident: 0,
             peak: 0,
             hosted: 0,
-            geometry_bytes: GEOMETRY_BYTES,
+            machine: Machine::THIS,
+            meshes: Meshes::default(),
+            skips: Skips::default(),
         }
     }
 
@@ -74,11 +80,23 @@ impl Device {
         Queue::new(self)
     }
 
-    /// About how many bytes of this machine the geometry of a pass may take, 1 GiB unless set: what
-    /// takes more is drawn part by part of the target, its vertices computed more than once. No
+    /// What the rasterizer left out of the last pass, and why: no promise of any version.
+    #[must_use]
+    pub fn skips(&self) -> Skips {
+        self.skips
+    }
+
+    /// Which instructions of this machine the rasterizer may use, the best unless set. No picture and no
+    /// counter depends on it.
+    pub fn limit_instructions(&mut self, instructions: Instructions) {
+        self.machine.instructions = instructions;
+    }
+
+    /// About how many bytes of this machine the triangles of a pass may take that are set up ahead, 1 GiB
+    /// unless set: others are set up by the parts of the target that need them, some more than once. No
     /// picture and no counter depends on it.
     pub fn limit_geometry(&mut self, bytes: u64) {
-        self.geometry_bytes = bytes;
+        self.machine.geometry_bytes = bytes;
     }
 
     /// Makes a buffer of zeros.
@@ -106,6 +124,7 @@ impl Device {
             usage: descriptor.usage,
             residency: descriptor.residency,
             bytes,
+            version: 0,
         }));
         Ok(BufferId(index_u32(self.buffers.len() - 1)))
     }
@@ -426,7 +445,9 @@ impl Device {
     ) -> Result<&mut [u8], GpuError> {
         let range = self.buffer(id)?.range(offset, size, what)?;
         let slot = self.buffers.get_mut(id.0 as usize).and_then(Option::as_mut);
-        Ok(&mut slot.expect("the line above found it").bytes[range])
+        let slot = slot.expect("the line above found it");
+        slot.version += 1;
+        Ok(&mut slot.bytes[range])
     }
 
     /// Refuses what needs a card with compute passes.
@@ -446,6 +467,7 @@ impl Device {
     /// The bytes of a living buffer.
     pub(super) fn bytes_mut(&mut self, id: BufferId) -> Option<&mut Vec<u8>> {
         let slot = self.buffers.get_mut(id.0 as usize)?.as_mut()?;
+        slot.version += 1;
         Some(&mut slot.bytes)
     }
 

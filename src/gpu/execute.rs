@@ -1,23 +1,21 @@
 //! Executes passes: runs vertex stages, hands geometry to the rasterizer, counts.
 
-use rayon::prelude::{
-    IntoParallelIterator as _, IntoParallelRefIterator as _, ParallelIterator as _,
-};
+use std::borrow::Cow;
+
+use rayon::prelude::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::assemble::{fetched, fetched_bytes, windows};
 use super::card::DrawWork;
 use super::ledger::{Cause, Ledger, Stream, WorkCounts};
-use super::parts::{CORNER_BYTES, Reach, parts};
+use super::mesh::Meshes;
 use super::pass::{Corners, Load, RenderPass};
-use super::plan::{Plan, corners_per_primitive, plan};
-use super::program::{Bindings, VertexCall};
+use super::plan::{Plan, PlannedDraw, plan};
+use super::program::{Bindings, Transform, VertexCall};
 use super::{Device, GpuError};
 use crate::raster::{
-    self, Batch, Counters, Geometry, Kernel, ProbedFragment, Region, Target, Topology,
+    self, Batch, Counters, Geometry, Hull, Instructions, Kernel, PART, Part, ProbedFragment, Skips,
+    Source, Target, Topology,
 };
-
-/// Primitives a call of a vertex stage: a constant, so that threads cannot be seen.
-const PRIMITIVES_PER_CALL: usize = 2048;
 
 /// Why bytes are pulled by draws.
 const FETCH: Cause = Cause::of("draw");
@@ -25,7 +23,10 @@ const FETCH: Cause = Cause::of("draw");
 /// Executes one pass, or refuses it whole.
 pub(super) fn render(device: &mut Device, pass: &RenderPass) -> Result<(), GpuError> {
     device.target(pass.target)?;
-    let plan = plan(device, pass)?;
+    let mut meshes = std::mem::take(&mut device.meshes);
+    let plan = plan(device, &mut meshes, pass);
+    device.meshes = meshes;
+    let plan = plan?;
     watch_reads(device, &plan);
     let mut slot = device.targets[pass.target.index() as usize]
         .take()
@@ -33,7 +34,8 @@ pub(super) fn render(device: &mut Device, pass: &RenderPass) -> Result<(), GpuEr
     if let Load::Clear { color, depth } = pass.load {
         slot.target.clear(color, depth);
     }
-    let outcomes = draw(device, &plan, &mut slot.target);
+    let (outcomes, skips) = draw(device, &plan, &mut slot.target);
+    device.skips = skips;
     device.targets[pass.target.index() as usize] = Some(slot);
     count(device, &plan, &outcomes);
     Ok(())
@@ -46,43 +48,35 @@ pub(super) fn tally(device: &mut Device, pass: &RenderPass) -> Result<(), GpuErr
         return Err(GpuError::Unsupported { what });
     }
     device.target(pass.target)?;
-    let plan = plan(device, pass)?;
+    let mut meshes = std::mem::take(&mut device.meshes);
+    let plan = plan(device, &mut meshes, pass);
+    device.meshes = meshes;
+    let plan = plan?;
     let outcomes = vec![Outcome::default(); plan.draws.len()];
     count(device, &plan, &outcomes);
     Ok(())
 }
 
-/// Draws a plan, part by part of the target if its geometry is too much at once; answers what came of
-/// each draw.
-fn draw(device: &Device, plan: &Plan, target: &mut Target) -> Vec<Outcome> {
+/// Draws a plan; answers what came of each draw.
+fn draw(device: &Device, plan: &Plan, target: &mut Target) -> (Vec<Outcome>, Skips) {
     let options = device.descriptor.raster;
-    let stages = Stages::of(device, plan);
-    let mut outcomes = vec![Outcome::default(); plan.draws.len()];
-    let corners: usize = plan.draws.iter().map(|draw| draw.corners.len()).sum();
-    if CORNER_BYTES * corners as u64 <= device.geometry_bytes {
-        let all: Vec<usize> = (0..stages.calls.len()).collect();
-        stages.with_batches(&all, |batches| {
-            let works = raster::render(target, batches, &options);
-            for ((&(draw, _), work), batch) in stages.calls.iter().zip(&works).zip(batches) {
-                outcomes[draw].add(work, batch.geometry.clip.len());
+    let sources = sources(device, plan);
+    let kernels = kernels(&sources);
+    let batches = batches(&sources, &kernels);
+    let rendered = raster::render_on(device.machine, target, &batches, &options);
+    let counted = options.counters == Counters::Exact;
+    let outcomes = rendered
+        .works
+        .into_iter()
+        .zip(&sources)
+        .map(|(work, source)| {
+            let pulls = counted && source.draw.state.program.layout().pulled_vertex_bytes > 0;
+            Outcome {
+                work,
+                emitted_vertices: if pulls { source.emitted_vertices() } else { 0 },
             }
         });
-        return outcomes;
-    }
-    let size = [target.width(), target.height()];
-    let reaches = stages.reaches(size);
-    for (&(draw, _), reach) in stages.calls.iter().zip(&reaches) {
-        outcomes[draw].add(&raster::Work::default(), reach.emitted_vertices);
-    }
-    for part in parts(size, &reaches, device.geometry_bytes) {
-        stages.with_batches(&part.calls, |batches| {
-            let works = raster::render_region(target, batches, &options, part.region);
-            for (&call, work) in part.calls.iter().zip(&works) {
-                outcomes[stages.calls[call].0].add(work, 0);
-            }
-        });
-    }
-    outcomes
+    (outcomes.collect(), rendered.skips)
 }
 
 /// Every fragment of a pass at one pixel, as if it were executed; nothing is drawn or counted.
@@ -93,97 +87,114 @@ pub(super) fn probe(
 ) -> Result<Vec<ProbedFragment>, GpuError> {
     let target = &device.target(pass.target)?.target;
     let (size, samples) = ([target.width(), target.height()], target.samples());
-    let plan = plan(device, pass)?;
-    let stages = Stages::of(device, &plan);
-    let block = Region::around(pixel);
-    let reaches = stages.reaches(size);
-    let reaching = (0..stages.calls.len())
-        .filter(|&call| reaches[call].region.is_some_and(|found| found.meets(block)));
-    Ok(
-        stages.with_batches(&reaching.collect::<Vec<_>>(), |batches| {
-            raster::probe(size, samples, batches, pixel)
-        }),
-    )
+    let plan = plan(device, &mut Meshes::default(), pass)?;
+    let sources = sources(device, &plan);
+    let kernels = kernels(&sources);
+    let batches = batches(&sources, &kernels);
+    Ok(raster::probe(size, samples, &batches, pixel))
 }
 
-/// The stages of a pass with what they read, their work cut into calls.
-struct Stages<'a> {
-    plan: &'a Plan,
-    bound: Vec<Bindings<'a>>,
-    kernels: Vec<Box<dyn Kernel + 'a>>,
-    /// The draw that each call of a vertex stage is part of, and its corners.
-    calls: Vec<(usize, &'a [u32])>,
+/// A draw as the rasterizer asks for it: the vertex stage runs part by part.
+#[derive(Debug)]
+struct DrawSource<'a> {
+    draw: &'a PlannedDraw,
+    bindings: Bindings<'a>,
+    /// What takes the boxes of parts to clip space, where there are boxes.
+    transform: Option<Transform>,
+    instructions: Instructions,
 }
 
-impl<'a> Stages<'a> {
-    fn of(device: &'a Device, plan: &'a Plan) -> Self {
-        let draws = plan.draws.iter();
-        let bound: Vec<Bindings<'a>> = draws.map(|draw| draw.state.bindings(device)).collect();
-        let kernels = plan
-            .draws
-            .iter()
-            .zip(&bound)
-            .map(|(draw, bindings)| draw.state.program.fragment_stage(bindings))
-            .collect();
-        let calls = plan.draws.iter().enumerate().flat_map(|(number, draw)| {
-            let chunk = PRIMITIVES_PER_CALL * corners_per_primitive(draw.topology);
-            draw.corners
-                .chunks(chunk)
-                .map(move |corners| (number, corners))
-        });
-        Self {
-            plan,
-            calls: calls.collect(),
-            kernels,
-            bound,
+fn sources<'a>(device: &'a Device, plan: &'a Plan) -> Vec<DrawSource<'a>> {
+    let source = |draw: &'a PlannedDraw| {
+        let bindings = draw.state.bindings(device);
+        let hulls = draw.state.program.hulls();
+        let known = hulls.filter(|_| draw.mesh.bounds(0).is_some());
+        DrawSource {
+            draw,
+            transform: known.map(|hulls| hulls.transform(&bindings, draw.instance)),
+            bindings,
+            instructions: device.machine.instructions,
         }
-    }
+    };
+    plan.draws.iter().map(source).collect()
+}
 
-    /// What a call of a vertex stage emits.
-    fn emit(&self, call: usize) -> Geometry {
-        let (number, corners) = self.calls[call];
-        let draw = &self.plan.draws[number];
-        let mut geometry = Geometry::default();
+fn kernels<'a>(sources: &[DrawSource<'a>]) -> Vec<Box<dyn Kernel + 'a>> {
+    let kernel = |source: &DrawSource<'a>| {
+        let program = &source.draw.state.program;
+        program.fragment_stage(&source.bindings)
+    };
+    sources.iter().map(kernel).collect()
+}
+
+fn batches<'b>(
+    sources: &'b [DrawSource<'_>],
+    kernels: &'b [Box<dyn Kernel + '_>],
+) -> Vec<Batch<'b>> {
+    let batch = |(source, kernel): (&'b DrawSource<'_>, &'b Box<dyn Kernel + '_>)| Batch {
+        geometry: source,
+        topology: source.draw.topology,
+        kernel: &**kernel,
+        blend: source.draw.state.program.layout().blend,
+        group: source.draw.group,
+        instance: source.draw.instance,
+    };
+    sources.iter().zip(kernels).map(batch).collect()
+}
+
+impl DrawSource<'_> {
+    fn emit(&self, part: usize) -> Geometry {
         let call = VertexCall {
-            corners,
-            instance: draw.instance,
-            bindings: &self.bound[number],
+            corners: self.draw.mesh.part(part, self.draw.topology.corners()),
+            instance: self.draw.instance,
+            bindings: &self.bindings,
+            instructions: self.instructions,
         };
-        draw.state.program.vertex_stage(&call, &mut geometry);
+        let mut geometry = Geometry::default();
+        self.draw.state.program.vertex_stage(&call, &mut geometry);
         geometry
     }
 
-    /// Where each call may show on a target of this size.
-    fn reaches(&self, size: [u32; 2]) -> Vec<Reach> {
-        let reach = |call: usize| {
-            let geometry = self.emit(call);
-            let (number, corners) = self.calls[call];
-            Reach {
-                region: Region::of(size, &geometry),
-                blend: self.plan.draws[number].state.program.layout().blend,
-                corners: corners.len(),
-                emitted_vertices: geometry.clip.len(),
-            }
-        };
-        (0..self.calls.len()).into_par_iter().map(reach).collect()
+    /// How many vertices the vertex stage emits.
+    fn emitted_vertices(&self) -> u64 {
+        let parts = 0..self.parts(self.draw.topology);
+        let emitted = parts
+            .into_par_iter()
+            .map(|part| self.emit(part).clip.len() as u64);
+        emitted.sum()
+    }
+}
+
+impl Source for DrawSource<'_> {
+    fn parts(&self, topology: Topology) -> usize {
+        let corners = self.draw.mesh.corners.len();
+        (corners / topology.corners()).div_ceil(PART)
     }
 
-    /// Runs the vertex stages of some calls, and `use_batches` on what comes of them.
-    fn with_batches<R>(&self, calls: &[usize], use_batches: impl FnOnce(&[Batch<'_>]) -> R) -> R {
-        let geometries: Vec<Geometry> = calls.par_iter().map(|&call| self.emit(call)).collect();
-        let batches = calls.iter().zip(&geometries).map(|(&call, geometry)| {
-            let number = self.calls[call].0;
-            let draw = &self.plan.draws[number];
-            Batch {
-                geometry,
-                topology: draw.topology,
-                kernel: &*self.kernels[number],
-                blend: draw.state.program.layout().blend,
-                group: draw.group,
-                instance: draw.instance,
-            }
-        });
-        use_batches(&batches.collect::<Vec<_>>())
+    fn hull(&self, part: usize) -> Option<Hull> {
+        let Transform { columns, slack } = self.transform?;
+        let [least, greatest] = self.draw.mesh.bounds(part)?;
+        let corners = [least, greatest].map(|corner| corner.to_array().map(f64::from));
+        let farthest: f64 = (0..3)
+            .map(|axis| corners[0][axis].abs().max(corners[1][axis].abs()))
+            .sum();
+        Some(Hull {
+            corners,
+            clip: columns,
+            slack: std::array::from_fn(|row| slack[0][row] + farthest * slack[1][row]),
+        })
+    }
+
+    fn part(&self, part: usize, topology: Topology) -> Part<'_> {
+        let geometry = self.emit(part);
+        Part {
+            primitives: 0..geometry.primitive_count(topology),
+            geometry: Cow::Owned(geometry),
+        }
+    }
+
+    fn place(&self, part: usize, primitive: usize) -> usize {
+        self.draw.mesh.place(part, primitive)
     }
 }
 
@@ -193,13 +204,6 @@ struct Outcome {
     work: raster::Work,
     /// Vertices that the vertex stage emitted.
     emitted_vertices: u64,
-}
-
-impl Outcome {
-    fn add(&mut self, work: &raster::Work, emitted_vertices: usize) {
-        self.work = self.work.plus(work);
-        self.emitted_vertices += emitted_vertices as u64;
-    }
 }
 
 /// Marks what the input assembler reads, and lets programs mark the rest.
@@ -238,8 +242,8 @@ fn watch_reads(device: &mut Device, plan: &Plan) {
                 let primitives = windows(draw.submitted()).map(|(_, corners)| &corners[..]);
                 fetched(key, primitives, indices, vertices)
             } else {
-                let per_primitive = corners_per_primitive(draw.topology);
-                let primitives = draw.corners.chunks_exact(per_primitive);
+                let per_primitive = draw.topology.corners();
+                let primitives = draw.mesh.corners.chunks_exact(per_primitive);
                 fetched(key, primitives, indices, vertices)
             };
             reads.fetched.extend(of_draw);

@@ -32,7 +32,7 @@ mod error;
 mod execute;
 mod ledger;
 mod link;
-mod parts;
+mod mesh;
 mod pass;
 mod plan;
 mod program;
@@ -42,7 +42,8 @@ mod resource;
 
 /// What the stages of a program are written against.
 pub use crate::raster::{
-    Blend, Fragment, Geometry, Kernel, MAX_FLATS, MAX_VARYINGS, MipMap, Pixel, Topology, Wrap,
+    Blend, Fragment, Geometry, Instructions, Kernel, MAX_FLATS, MAX_VARYINGS, MipMap, Pixel,
+    PixelLanes, Topology, Wrap,
 };
 /// What a pixel is asked, and what it answers.
 pub use crate::raster::{Image, Key, ProbedFragment, Target};
@@ -57,7 +58,7 @@ pub use pass::{
     Command, ComputePass, ComputeStep, Corners, Draw, DrawFromCounter, DrawIndirect,
     IndirectRecord, Load, RESTART, RenderPass, Step,
 };
-pub use program::{Bindings, Layout, MAX_SLOTS, Program, VertexCall, Words};
+pub use program::{Bindings, Hulls, Layout, MAX_SLOTS, Program, Transform, VertexCall, Words};
 pub use queue::{Queue, Region};
 pub use reads::{Fetched, ReadSet};
 pub use resource::{

@@ -130,7 +130,7 @@ pub struct Draw {
 }
 
 /// Where the corners of primitives come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Corners {
     /// `u32` indices in the bound index buffer.
     Indexed,

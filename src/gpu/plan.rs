@@ -4,13 +4,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::assemble::{Arguments, corners, triangles_of_strips, windows};
+use super::mesh::{Mesh, MeshKey, Meshes};
 use super::pass::{
     BIND_BYTES, Corners, DRAW_BYTES, DrawFromCounter, DrawIndirect, INDIRECT_BYTES, PASS_BYTES,
     RESTART, RenderPass, Step,
 };
-use super::program::{Bindings, MAX_SLOTS, Program, Words};
+use super::program::{Bindings, Layout, MAX_SLOTS, Program, Words};
 use super::resource::Buffer;
-use super::{BufferId, Device, GpuError, Residency, TextureId, Usage};
+use super::{BufferId, Device, GpuError, ProgramId, Residency, TextureId, Usage};
 use crate::math::{index_u32, index_usize};
 use crate::raster::Topology;
 
@@ -23,6 +24,7 @@ pub(super) struct Plan {
 }
 
 /// The records of one step: drawn as one, since only their key tells them apart, and they share it.
+#[derive(Debug)]
 pub(super) struct PlannedDraw {
     pub(super) state: Arc<State>,
     pub(super) topology: Topology,
@@ -35,16 +37,14 @@ pub(super) struct PlannedDraw {
     pub(super) empty_draws: u64,
     /// The runs of corners, as `(first, count)`.
     pub(super) runs: Vec<(u32, u32)>,
-    /// Whole primitives, for the vertex stage.
-    pub(super) corners: Vec<u32>,
-    /// Strips as they were submitted, a restart between two.
-    strips: Option<Vec<u32>>,
+    /// Its primitives.
+    pub(super) mesh: Arc<Mesh>,
 }
 
 impl PlannedDraw {
     /// The corners as they were submitted.
     pub(super) fn submitted(&self) -> &[u32] {
-        self.strips.as_deref().unwrap_or(&self.corners)
+        self.mesh.strips.as_deref().unwrap_or(&self.mesh.corners)
     }
 
     /// How many corners the runs have, restarts too.
@@ -54,10 +54,10 @@ impl PlannedDraw {
 
     /// How many vertices and primitives were submitted, also of triangles that are none.
     pub(super) fn sizes(&self) -> (u64, u64) {
-        match &self.strips {
+        match &self.mesh.strips {
             None => {
-                let corners = self.corners.len() as u64;
-                let primitives = corners / corners_per_primitive(self.topology) as u64;
+                let corners = self.mesh.corners.len() as u64;
+                let primitives = corners / self.topology.corners() as u64;
                 (corners, primitives)
             }
             Some(strips) => {
@@ -69,8 +69,9 @@ impl PlannedDraw {
 }
 
 /// What is bound.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct State {
+    number: ProgramId,
     pub(super) program: Arc<dyn Program>,
     pub(super) vertices: Option<BufferId>,
     pub(super) indices: Option<BufferId>,
@@ -157,15 +158,12 @@ impl State {
 /// The index buffer, and the vertex buffer with its stride, as far as a draw reads them.
 pub(super) type Inputs<'a> = (Option<&'a Buffer>, Option<(&'a Buffer, u32)>);
 
-pub(super) fn corners_per_primitive(topology: Topology) -> usize {
-    match topology {
-        Topology::TriangleList => 3,
-        Topology::QuadList => 4,
-        Topology::LineList => 2,
-    }
-}
-
-pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError> {
+/// Plans a pass; meshes that are not among `meshes` are made and join them.
+pub(super) fn plan(
+    device: &Device,
+    meshes: &mut Meshes,
+    pass: &RenderPass,
+) -> Result<Plan, GpuError> {
     let mut plan = Plan {
         draws: Vec::new(),
         command_bytes: PASS_BYTES,
@@ -176,20 +174,18 @@ pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError>
     let mut indices = None;
     let mut storage = [None; MAX_SLOTS];
     let mut textures = [None; MAX_SLOTS];
-    let mut program: Option<Arc<dyn Program>> = None;
+    let mut program: Option<(ProgramId, Arc<dyn Program>)> = None;
+    meshes.begin_pass();
     for step in &pass.steps {
         let drawn = match *step {
             Step::Program(id) => {
                 let found = device.programs.get(id.index() as usize);
                 let index = id.index();
-                program = Some(
-                    found
-                        .ok_or(GpuError::Unknown {
-                            what: "program",
-                            index,
-                        })?
-                        .clone(),
-                );
+                let found = found.ok_or(GpuError::Unknown {
+                    what: "program",
+                    index,
+                })?;
+                program = Some((id, Arc::clone(found)));
                 None
             }
             Step::Vertices(buffer) => {
@@ -261,12 +257,13 @@ pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError>
             continue;
         };
         if state.is_none() {
-            let program = program.clone().ok_or(GpuError::Unbound {
+            let (number, program) = program.clone().ok_or(GpuError::Unbound {
                 program: String::new(),
                 what: "program",
                 slot: 0,
             })?;
             state = Some(Arc::new(State {
+                number,
                 program,
                 vertices,
                 indices,
@@ -276,7 +273,7 @@ pub(super) fn plan(device: &Device, pass: &RenderPass) -> Result<Plan, GpuError>
         }
         let state = state.as_ref().expect("set above");
         for together in drawn.chunk_by(|a, b| a.instance == b.instance) {
-            plan.draws.push(plan_draw(device, state, together)?);
+            plan.draws.push(plan_draw(device, meshes, state, together)?);
         }
     }
     Ok(plan)
@@ -291,29 +288,77 @@ fn slot_mut<T>(slots: &mut [Option<T>; MAX_SLOTS], slot: u32) -> Result<&mut Opt
 
 fn plan_draw(
     device: &Device,
+    meshes: &mut Meshes,
     state: &Arc<State>,
     records: &[Arguments],
 ) -> Result<PlannedDraw, GpuError> {
     let layout = state.program.layout();
-    let wanted = corners_per_primitive(layout.topology);
     let first = records[0];
-    let (indices, vertices) = state.inputs(device, first.source)?;
-    let mut draw = PlannedDraw {
+    let inputs = state.inputs(device, first.source)?;
+    let empty = records.iter().filter(|record| record.corner_count == 0);
+    let mesh = match device.reads {
+        None => {
+            let key = mesh_key(device, state, records);
+            meshes.get(key, || {
+                let mut mesh = assemble(&layout, records, inputs)?;
+                mesh.cut(&*state.program, &state.bindings(device));
+                Ok(mesh)
+            })?
+        }
+        // Every byte that may be read is to be read, seen or not.
+        Some(_) => Arc::new(assemble(&layout, records, inputs)?),
+    };
+    Ok(PlannedDraw {
         state: Arc::clone(state),
         topology: layout.topology,
         source: first.source,
         group: first.group,
         instance: first.instance,
         draws: records.len() as u64,
-        empty_draws: records
+        empty_draws: empty.count() as u64,
+        runs: records
             .iter()
-            .filter(|record| record.corner_count == 0)
-            .count() as u64,
-        runs: Vec::with_capacity(records.len()),
-        corners: Vec::new(),
-        strips: None,
-    };
-    if first.source == Corners::Strips {
+            .map(|record| (record.first_corner, record.corner_count))
+            .collect(),
+        mesh,
+    })
+}
+
+fn mesh_key(device: &Device, state: &State, records: &[Arguments]) -> MeshKey {
+    let hulls = state.program.hulls();
+    let slots = hulls.map_or_else(Vec::new, super::program::Hulls::slots);
+    let storage = slots
+        .iter()
+        .map(|&slot| state.storage.get(slot as usize).copied().flatten());
+    let version = |id: BufferId| device.buffer(id).map_or(0, |buffer| buffer.version);
+    MeshKey {
+        program: state.number,
+        source: records[0].source,
+        buffers: [state.vertices, state.indices]
+            .into_iter()
+            .chain(storage)
+            .map(|id| (id, id.map_or(0, version)))
+            .collect(),
+        runs: records
+            .iter()
+            .map(|record| {
+                [
+                    record.first_corner,
+                    record.corner_count,
+                    record.first_vertex,
+                ]
+            })
+            .collect(),
+    }
+}
+
+/// The primitives that records name.
+fn assemble(
+    layout: &Layout,
+    records: &[Arguments],
+    (indices, vertices): Inputs<'_>,
+) -> Result<Mesh, GpuError> {
+    if records[0].source == Corners::Strips {
         if layout.topology != Topology::TriangleList {
             let what = format!(
                 "strips with program {:?}, which draws no triangles",
@@ -325,12 +370,11 @@ fn plan_draw(
         for record in records {
             strips.extend(corners(record, indices, vertices)?);
             strips.push(RESTART);
-            draw.runs.push((record.first_corner, record.corner_count));
         }
-        draw.corners = triangles_of_strips(&strips);
-        draw.strips = Some(strips);
-        return Ok(draw);
+        return Ok(Mesh::new(triangles_of_strips(&strips), Some(strips)));
     }
+    let wanted = layout.topology.corners();
+    let mut all = Vec::new();
     for record in records {
         if !(record.corner_count as usize).is_multiple_of(wanted) {
             return Err(GpuError::Corners {
@@ -339,10 +383,9 @@ fn plan_draw(
                 wanted: index_u32(wanted),
             });
         }
-        draw.corners.extend(corners(record, indices, vertices)?);
-        draw.runs.push((record.first_corner, record.corner_count));
+        all.extend(corners(record, indices, vertices)?);
     }
-    Ok(draw)
+    Ok(Mesh::new(all, None))
 }
 
 fn indirect_arguments(

@@ -3,7 +3,8 @@
 use super::BufferId;
 use super::reads::ReadSet;
 use super::resource::Buffer;
-use crate::raster::{Blend, Geometry, Kernel, MipMap, Topology};
+use crate::math::{Mat4, Vec3};
+use crate::raster::{Blend, Geometry, Instructions, Kernel, MipMap, Topology};
 
 /// The most storage buffers or textures of a program.
 pub const MAX_SLOTS: usize = 16;
@@ -19,6 +20,35 @@ pub trait Program: Send + Sync + std::fmt::Debug {
 
     /// The fragment stage with what it reads.
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a>;
+
+    /// Where primitives may lie, told without the vertex stage; a program that cannot tell is drawn in
+    /// full, seen or not.
+    fn hulls(&self) -> Option<&dyn Hulls> {
+        None
+    }
+}
+
+/// Tells where the primitives of a program may lie.
+pub trait Hulls: Sync {
+    /// The storage slots, beside the vertices and indices, on which [`bounds`](Self::bounds) depends.
+    fn slots(&self) -> Vec<u32>;
+
+    /// The least and the greatest corner of a box around all vertices that these corners may emit,
+    /// whatever the view and the instance.
+    fn bounds(&self, corners: &[u32], bindings: &Bindings<'_>) -> [Vec3; 2];
+
+    /// What takes that box to clip space for an instance.
+    fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform;
+}
+
+/// From the space of a box to clip space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    /// Columns of the matrix.
+    pub columns: [[f64; 4]; 4],
+    /// How far the vertex stage may round away from it: so much, and so much a unit of the sum of a
+    /// point's absolute coordinates.
+    pub slack: [[f64; 4]; 2],
 }
 
 /// What a program needs and how it draws.
@@ -46,6 +76,40 @@ pub struct Layout {
     pub texture_slots: u32,
 }
 
+impl Transform {
+    /// Of a vertex stage that computes `clip · (place · (p, 1))` in `f32`, each product and sum rounded.
+    #[must_use]
+    pub fn of_product(clip: Mat4, place: Mat4) -> Self {
+        let wide = |matrix: Mat4| {
+            let columns = matrix.to_cols_array_2d();
+            columns.map(|column| column.map(f64::from))
+        };
+        Self::of_columns(wide(clip), wide(place))
+    }
+
+    /// The same of columns that are as exact as the vertex stage means them.
+    #[must_use]
+    pub fn of_columns(clip: [[f64; 4]; 4], place: [[f64; 4]; 4]) -> Self {
+        // Some forty operations, each rounded by 2⁻²⁴ of at most a few times the sum of absolutes.
+        const ROUNDING: f64 = 1.0 / (1 << 17) as f64;
+        let product = |column: [f64; 4]| {
+            std::array::from_fn(|row| (0..4).map(|k| clip[k][row] * column[k]).sum::<f64>())
+        };
+        let largest = (0..9)
+            .map(|at| place[at / 3][at % 3].abs())
+            .fold(0.0, f64::max);
+        let moved: f64 = place[3][..3].iter().map(|at| at.abs()).sum();
+        let size = |row: usize| -> f64 { clip[..3].iter().map(|column| column[row].abs()).sum() };
+        Self {
+            columns: place.map(product),
+            slack: [
+                std::array::from_fn(|row| ROUNDING * (size(row) * moved + clip[3][row].abs())),
+                std::array::from_fn(|row| ROUNDING * size(row) * largest),
+            ],
+        }
+    }
+}
+
 /// A run of primitives for the vertex stage.
 #[derive(Debug, Clone, Copy)]
 pub struct VertexCall<'a> {
@@ -55,6 +119,8 @@ pub struct VertexCall<'a> {
     pub instance: u32,
     /// What is bound.
     pub bindings: &'a Bindings<'a>,
+    /// Which instructions the stage may use; what it emits must not depend on them.
+    pub instructions: Instructions,
 }
 
 /// What a draw has bound.
@@ -118,37 +184,42 @@ impl<'a> Words<'a> {
 
     /// The word at `index` as an integer.
     #[must_use]
+    #[inline]
     pub fn u32(&self, index: usize) -> u32 {
         u32::from_le_bytes(self.read::<1>(index)[0])
     }
 
     /// The word at `index` as a float.
     #[must_use]
+    #[inline]
     pub fn f32(&self, index: usize) -> f32 {
         f32::from_le_bytes(self.read::<1>(index)[0])
     }
 
     /// `N` words from `index` on as integers.
     #[must_use]
+    #[inline]
     pub fn u32s<const N: usize>(&self, index: usize) -> [u32; N] {
         self.read(index).map(u32::from_le_bytes)
     }
 
     /// `N` words from `index` on as floats.
     #[must_use]
+    #[inline]
     pub fn f32s<const N: usize>(&self, index: usize) -> [f32; N] {
         self.read(index).map(f32::from_le_bytes)
     }
 
+    #[inline]
     fn read<const N: usize>(&self, index: usize) -> [[u8; 4]; N] {
         if let Some((buffer, reads)) = self.tracked {
             reads.mark(buffer, 4 * index..4 * (index + N));
         }
+        let within = self.bytes.get(4 * index..4 * (index + N));
+        if let Some(words) = within.and_then(|bytes| bytes.as_chunks().0.first_chunk()) {
+            return *words;
+        }
         let from = self.bytes.get(4 * index..).unwrap_or_default();
-        std::array::from_fn(|word| {
-            from.get(4 * word..4 * word + 4).map_or([0; 4], |four| {
-                four.try_into().expect("a slice of four bytes")
-            })
-        })
+        std::array::from_fn(|word| from.as_chunks().0.get(word).copied().unwrap_or_default())
     }
 }

@@ -132,6 +132,8 @@ pub(super) struct Buffer {
     pub(super) usage: Usage,
     pub(super) residency: Residency,
     pub(super) bytes: Vec<u8>,
+    /// Another number whenever the bytes may have changed.
+    pub(super) version: u64,
 }
 
 impl Buffer {

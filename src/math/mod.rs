@@ -10,6 +10,7 @@
 
 pub mod bounds;
 pub mod det;
+pub mod lanes;
 pub mod rng;
 
 pub use bounds::{Aabb, Frustum, NormalCone, Sphere};

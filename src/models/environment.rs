@@ -11,8 +11,8 @@ use super::select_pass::SelectPass;
 use super::trunk::MeshProgram;
 use super::{Criterion, Crown, Extent, Kind, Occlusion, State, select};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, ComputePass, ComputeProgramId, ComputeStep, Device,
-    GpuError, ProgramId, Queue, Residency, Step, TargetId, Usage,
+    Bindings, BufferDescriptor, BufferId, Cause, ComputePass, ComputeProgramId, ComputeStep,
+    Device, GpuError, ProgramId, Queue, Residency, Step, TargetId, Transform, Usage,
 };
 use crate::math::{Mat4, Quat, Vec3};
 
@@ -192,6 +192,28 @@ impl Placement {
         self.rotation.inverse() * (point - self.position) / self.scale
     }
 
+    /// The same as a matrix, columns first, as exactly as `f64` has it.
+    fn columns(&self) -> [[f64; 4]; 4] {
+        let [i, j, k, r] = self.rotation.to_array().map(f64::from);
+        let (imaginary, scale) = ([i, j, k], f64::from(self.scale));
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let column = |axis: usize| {
+            let mut v = [0.0; 3];
+            v[axis] = scale;
+            let cross = [
+                j * v[2] - k * v[1],
+                k * v[0] - i * v[2],
+                i * v[1] - j * v[0],
+            ];
+            let along = 2.0 * dot(v, imaginary);
+            let kept = r * r - dot(imaginary, imaginary);
+            let at = |row: usize| v[row] * kept + imaginary[row] * along + cross[row] * 2.0 * r;
+            [at(0), at(1), at(2), 0.0]
+        };
+        let [x, y, z] = self.position.to_array().map(f64::from);
+        [column(0), column(1), column(2), [x, y, z, 1.0]]
+    }
+
     fn words(&self) -> [f32; 8] {
         let ([x, y, z], [i, j, k, r]) = (self.position.to_array(), self.rotation.to_array());
         [x, y, z, self.scale, i, j, k, r]
@@ -233,6 +255,17 @@ impl View {
             ambient: vector(22),
         }
     }
+}
+
+/// What takes points of a plant to clip space, for programs with the view and the placements in their
+/// slots that compute `clip_from_world · (placement · point)` in `f32`.
+pub(super) fn clip_from_plant(bindings: &Bindings<'_>, instance: u32) -> Transform {
+    let view = View::read(bindings.storage(VIEW_SLOT as usize));
+    let placements = bindings.storage(INSTANCE_SLOT as usize);
+    let placement = Placement::from_words(placements.f32s(8 * instance as usize));
+    let clip = view.clip_from_world.to_cols_array_2d();
+    let clip = clip.map(|column| column.map(f64::from));
+    Transform::of_columns(clip, placement.columns())
 }
 
 /// The slot of the view in every program.

@@ -423,6 +423,7 @@ impl<'a> VertexReader<'a> {
     }
 
     /// Where a vertex lies, in the plant's space.
+    #[inline(always)]
     pub(super) fn position(&self, vertex: u32) -> Vec3 {
         let vertex = vertex as usize;
         match self.grid {
@@ -437,6 +438,7 @@ impl<'a> VertexReader<'a> {
     }
 
     /// The number that a vertex has in all modes.
+    #[inline(always)]
     pub(super) fn number(&self, vertex: u32) -> u32 {
         self.numbers.map_or(vertex, |numbers| {
             4 * numbers.u32(vertex as usize / 4) + vertex % 4

@@ -9,13 +9,16 @@
 //! - `windowed-leaf`: the same, where draws begin behind what is gone of each cluster; corners of the
 //!   second instance count on behind those of the first, and so on.
 
-use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, f32x16};
+
+use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
 use super::format::{LeafFormat, Records, VertexReader, Vertices};
 use super::select_pass::crown_cluster_count;
 use crate::gpu::{
-    Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
-    VertexCall, Words, Wrap,
+    Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, PixelLanes, Program,
+    Topology, Transform, VertexCall, Words, Wrap,
 };
+use crate::math::lanes::{LANES, Vec3Lanes};
 use crate::math::{Mat4, Vec2, Vec3, Vec4, index_u32};
 
 /// A program that draws leaves.
@@ -114,76 +117,31 @@ impl Program for LeafProgram {
     }
 
     fn vertex_stage(&self, call: &VertexCall<'_>, geometry: &mut Geometry) {
-        let leaves = call.corners.len() / 4;
-        geometry.clip.reserve(4 * leaves);
-        geometry.varyings.reserve(8 * leaves);
-        geometry.vertex_ids.reserve(4 * leaves);
-        geometry.flats.reserve(3 * leaves);
-        geometry.corners.reserve(4 * leaves);
+        let pulled;
+        let leaves = match self.source {
+            LeafSource::Indexed => call.corners.as_chunks().0,
+            LeafSource::Stamped | LeafSource::Windowed => {
+                pulled = self.standing(call);
+                &pulled
+            }
+        };
+        let count = leaves.len();
+        geometry.clip.reserve_exact(4 * count);
+        geometry.varyings.reserve_exact(8 * count);
+        geometry.vertex_ids.reserve_exact(4 * count);
+        geometry.flats.reserve_exact(3 * count);
+        geometry.corners.reserve_exact(4 * count);
         let stage = LeafStage::new(call.bindings, call.instance);
-        let storage = |slot: u32| call.bindings.storage(slot as usize);
-        let mut slots = self.key_slot()..;
-        let keys = || storage(slots.next().expect("slots do not end"));
-        match self.source {
-            LeafSource::Indexed => {
-                let vertices = VertexReader::new(self.format, call.bindings.vertices(), keys);
-                for corners in call.corners.chunks_exact(4) {
-                    let corners = [corners[0], corners[1], corners[2], corners[3]];
-                    stage.leaf(corners, &vertices, geometry);
-                }
+        let vertices = self.vertices(call.bindings);
+        dispatch!(call.instructions.level(), simd => {
+            for leaves in leaves.chunks(LANES) {
+                stage.emit(simd, leaves, &vertices, geometry);
             }
-            LeafSource::Windowed => {
-                let vertices = VertexReader::new(self.format, storage(VERTEX_SLOT), keys);
-                let records = storage(RECORD_SLOT);
-                let counts = storage(COUNT_SLOT);
-                let first_vertices = storage(WINDOW_FIRST_VERTEX_SLOT);
-                let words = stamped_words(self.format);
-                let clusters = crown_cluster_count(storage(WINDOW_CROWN_SLOT)) as usize;
-                // All corners of a call are of one instance.
-                let record = |corner: u32| corner as usize / 4;
-                let each = (records.len() / words).max(1);
-                let room = call
-                    .corners
-                    .first()
-                    .map_or(0, |&first| record(first) / each);
-                for corners in call.corners.chunks_exact(4) {
-                    let first = words * (record(corners[0]) - room * each);
-                    let [birth, cluster] = records.u32s(first + words - 2);
-                    if birth <= counts.u32(room * clusters + cluster as usize) {
-                        let corners =
-                            self.corners(records, first, || first_vertices.u32(cluster as usize));
-                        stage.leaf(corners, &vertices, geometry);
-                    }
-                }
-            }
-            LeafSource::Stamped => {
-                let vertices = VertexReader::new(self.format, storage(VERTEX_SLOT), keys);
-                let records = storage(RECORD_SLOT);
-                let thresholds = storage(THRESHOLD_SLOT);
-                let counter = storage(COUNTER_SLOT).u32(0);
-                let words = stamped_words(self.format);
-                for corners in call.corners.chunks_exact(4) {
-                    let record = corners[0] as usize / 4;
-                    let first = words * record;
-                    let birth = records.u32(first + words - 2);
-                    let stands = if counter == VARIABLE {
-                        // The operands of collapse k stand at 2 k − 2 and 2 k − 1.
-                        let death = index_u32(record / 2) + 1;
-                        let threshold = thresholds.u32(records.u32(first + words - 1) as usize);
-                        birth <= threshold && threshold < death
-                    } else {
-                        birth <= counter
-                    };
-                    if stands {
-                        let corners = self.corners(records, first, || {
-                            let cluster = records.u32(first + words - 1);
-                            storage(FIRST_VERTEX_SLOT).u32(cluster as usize)
-                        });
-                        stage.leaf(corners, &vertices, geometry);
-                    }
-                }
-            }
-        }
+        });
+    }
+
+    fn hulls(&self) -> Option<&dyn Hulls> {
+        Some(self)
     }
 
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
@@ -208,6 +166,58 @@ impl Program for LeafProgram {
     }
 }
 
+/// Of all records, whether they stand or not: where leaves lie does not change with what is shown.
+impl Hulls for LeafProgram {
+    fn slots(&self) -> Vec<u32> {
+        let pulled: &[u32] = match (self.source, self.format.records) {
+            (LeafSource::Indexed, _) => &[],
+            (_, Records::Wide) => &[VERTEX_SLOT, RECORD_SLOT],
+            (LeafSource::Stamped, Records::Compact) => {
+                &[VERTEX_SLOT, RECORD_SLOT, FIRST_VERTEX_SLOT]
+            }
+            (LeafSource::Windowed, Records::Compact) => {
+                &[VERTEX_SLOT, RECORD_SLOT, WINDOW_FIRST_VERTEX_SLOT]
+            }
+        };
+        let keys = self.key_slot()..self.layout().storage_slots;
+        pulled.iter().copied().chain(keys).collect()
+    }
+
+    fn bounds(&self, corners: &[u32], bindings: &Bindings<'_>) -> [Vec3; 2] {
+        let storage = |slot: u32| bindings.storage(slot as usize);
+        let first_vertices = match self.source {
+            LeafSource::Indexed => Words::default(),
+            LeafSource::Stamped => storage(FIRST_VERTEX_SLOT),
+            LeafSource::Windowed => storage(WINDOW_FIRST_VERTEX_SLOT),
+        };
+        let vertices = self.vertices(bindings);
+        let (records, words) = (storage(RECORD_SLOT), stamped_words(self.format));
+        let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        for corners in corners.as_chunks::<4>().0 {
+            let corners = match self.source {
+                LeafSource::Indexed => *corners,
+                LeafSource::Stamped | LeafSource::Windowed => {
+                    let record = match self.source {
+                        LeafSource::Windowed => self.windowed(records, corners[0]),
+                        LeafSource::Indexed | LeafSource::Stamped => corners[0] as usize / 4,
+                    };
+                    let first = words * record;
+                    let cluster = || records.u32(first + words - 1);
+                    self.corners(records, first, || first_vertices.u32(cluster() as usize))
+                }
+            };
+            for point in corners.map(|corner| vertices.position(corner)) {
+                bounds = [bounds[0].min(point), bounds[1].max(point)];
+            }
+        }
+        bounds
+    }
+
+    fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform {
+        clip_from_plant(bindings, instance)
+    }
+}
+
 impl LeafProgram {
     /// The first slot of what the format needs beside the vertices.
     pub(super) fn key_slot(self) -> u32 {
@@ -218,6 +228,76 @@ impl LeafProgram {
             (LeafSource::Windowed, Records::Wide) => WINDOW_CROWN_SLOT + 1,
             (LeafSource::Windowed, Records::Compact) => WINDOW_FIRST_VERTEX_SLOT + 1,
         }
+    }
+
+    /// What reads the vertices.
+    fn vertices<'a>(self, bindings: &Bindings<'a>) -> VertexReader<'a> {
+        let storage = |slot: u32| bindings.storage(slot as usize);
+        let mut slots = self.key_slot()..;
+        let keys = || storage(slots.next().expect("slots do not end"));
+        let vertices = match self.source {
+            LeafSource::Indexed => bindings.vertices(),
+            LeafSource::Stamped | LeafSource::Windowed => storage(VERTEX_SLOT),
+        };
+        VertexReader::new(self.format, vertices, keys)
+    }
+
+    /// How many instances' corners come before that of a corner of a window.
+    fn room(self, records: Words<'_>, corner: u32) -> usize {
+        let each = (records.len() / stamped_words(self.format)).max(1);
+        corner as usize / 4 / each
+    }
+
+    /// The record of a corner of a window.
+    fn windowed(self, records: Words<'_>, corner: u32) -> usize {
+        let each = (records.len() / stamped_words(self.format)).max(1);
+        corner as usize / 4 % each
+    }
+
+    /// The corners of those pulled leaves that stand.
+    fn standing(self, call: &VertexCall<'_>) -> Vec<[u32; 4]> {
+        let storage = |slot: u32| call.bindings.storage(slot as usize);
+        let (records, words) = (storage(RECORD_SLOT), stamped_words(self.format));
+        let mut leaves = Vec::with_capacity(call.corners.len() / 4);
+        if self.source == LeafSource::Windowed {
+            let counts = storage(COUNT_SLOT);
+            let first_vertices = storage(WINDOW_FIRST_VERTEX_SLOT);
+            let clusters = crown_cluster_count(storage(WINDOW_CROWN_SLOT)) as usize;
+            // All corners of a call are of one instance.
+            let corner = call.corners.first().copied().unwrap_or(0);
+            let room = self.room(records, corner);
+            for corners in call.corners.as_chunks::<4>().0 {
+                let first = words * self.windowed(records, corners[0]);
+                let [birth, cluster] = records.u32s(first + words - 2);
+                if birth <= counts.u32(room * clusters + cluster as usize) {
+                    let first_vertex = || first_vertices.u32(cluster as usize);
+                    leaves.push(self.corners(records, first, first_vertex));
+                }
+            }
+            return leaves;
+        }
+        let thresholds = storage(THRESHOLD_SLOT);
+        let counter = storage(COUNTER_SLOT).u32(0);
+        for corners in call.corners.as_chunks::<4>().0 {
+            let record = corners[0] as usize / 4;
+            let first = words * record;
+            let birth = records.u32(first + words - 2);
+            let stands = if counter == VARIABLE {
+                // The operands of collapse k stand at 2 k − 2 and 2 k − 1.
+                let death = index_u32(record / 2) + 1;
+                let threshold = thresholds.u32(records.u32(first + words - 1) as usize);
+                birth <= threshold && threshold < death
+            } else {
+                birth <= counter
+            };
+            if stands {
+                leaves.push(self.corners(records, first, || {
+                    let cluster = records.u32(first + words - 1);
+                    storage(FIRST_VERTEX_SLOT).u32(cluster as usize)
+                }));
+            }
+        }
+        leaves
     }
 
     /// The corners of the record that begins at a word; only compact ones ask for the first vertex.
@@ -257,37 +337,72 @@ impl LeafStage {
         }
     }
 
-    /// Emits one leaf. Its normal is the cross product of the diagonals.
-    fn leaf(&self, corners: [u32; 4], vertices: &VertexReader<'_>, geometry: &mut Geometry) {
-        let world = corners.map(|corner| self.placement.to_world(vertices.position(corner)));
-        let corners = corners.map(|corner| vertices.number(corner));
-        let normal = (world[2] - world[0])
-            .cross(world[3] - world[1])
-            .normalize_or_zero();
-        let toward = normal.dot(self.to_light);
-        // Entries are few and ascending; the last one that begins at or before the corner has it.
-        let group = self
-            .materials
-            .iter()
-            .rposition(|material| material.first_vertex <= corners[0])
-            .unwrap_or(0);
-        let Some(material) = self.materials.get(group) else {
-            return;
-        };
-        let first = index_u32(geometry.clip.len());
-        for (role, (corner, point)) in corners.into_iter().zip(world).enumerate() {
-            geometry.clip.push(self.clip_from_world * point.extend(1.0));
+    /// Emits leaves. The normal of each is the cross product of its diagonals.
+    #[inline(always)]
+    fn emit<S: Simd>(
+        &self,
+        simd: S,
+        leaves: &[[u32; 4]],
+        vertices: &VertexReader<'_>,
+        geometry: &mut Geometry,
+    ) {
+        let mut world = [Vec3Lanes::splat(simd, Vec3::ZERO); 4];
+        let mut clip = [[[0.0_f32; LANES]; 4]; 4];
+        let (scale, position) = (
+            f32x16::splat(simd, self.placement.scale),
+            Vec3Lanes::splat(simd, self.placement.position),
+        );
+        for role in 0..4 {
+            let mut at = [[0.0_f32; LANES]; 3];
+            for (lane, corners) in leaves.iter().enumerate().take(LANES) {
+                let point = vertices.position(corners[role]);
+                at[0][lane] = point.x;
+                at[1][lane] = point.y;
+                at[2][lane] = point.z;
+            }
+            let point = Vec3Lanes::new(simd, &at).times(scale);
+            world[role] = point.rotated(simd, self.placement.rotation).plus(position);
+            let projected = world[role].projected(simd, &self.clip_from_world);
+            for (axis, values) in projected.into_iter().enumerate() {
+                values.store_slice(&mut clip[role][axis]);
+            }
+        }
+        let normal = world[2].minus(world[0]).cross(world[3].minus(world[1]));
+        let normal = normal.normalize_or_zero(simd);
+        let mut toward = [0.0_f32; LANES];
+        let towards = normal.dot(Vec3Lanes::splat(simd, self.to_light));
+        towards.store_slice(&mut toward);
+        for (lane, corners) in leaves.iter().enumerate().take(LANES) {
+            let numbers = corners.map(|corner| vertices.number(corner));
+            // Entries are few and ascending; the last one that begins at or before the corner has it.
+            let group = self
+                .materials
+                .iter()
+                .rposition(|material| material.first_vertex <= numbers[0])
+                .unwrap_or(0);
+            let Some(material) = self.materials.get(group) else {
+                return;
+            };
+            let first = index_u32(geometry.clip.len());
+            let at = |role: usize| {
+                let [x, y, z, w] = &clip[role];
+                Vec4::new(x[lane], y[lane], z[lane], w[lane])
+            };
+            geometry.clip.extend([at(0), at(1), at(2), at(3)]);
+            let [a, b, c, d] = material.texture_corners;
             geometry
                 .varyings
-                .extend(material.texture_corners[role].to_array());
-            geometry.vertex_ids.push(corner);
-            geometry.corners.push(first + index_u32(role));
+                .extend([a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y]);
+            geometry.vertex_ids.extend(numbers);
+            geometry
+                .corners
+                .extend([first, first + 1, first + 2, first + 3]);
+            geometry.flats.extend([
+                toward[lane].max(0.0),
+                (-toward[lane]).max(0.0),
+                f32::from_bits(index_u32(group)),
+            ]);
         }
-        geometry.flats.extend([
-            toward.max(0.0),
-            (-toward).max(0.0),
-            f32::from_bits(index_u32(group)),
-        ]);
     }
 }
 
@@ -381,7 +496,7 @@ impl LeafFragment<'_> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn surface(&self, pixel: &Pixel<'_>) -> &Surface<'_> {
         // Constant over the leaf, so the bits arrive as the vertex stage wrote them.
         &self.surfaces[pixel.flats[2].to_bits() as usize]
@@ -401,6 +516,21 @@ impl Fragment for LeafFragment<'_> {
             texture.alpha(coordinate(pixel), level, Wrap::Clamp)
         });
         alpha * surface.base_color.w >= surface.alpha_cutoff
+    }
+
+    #[inline(always)]
+    fn keeps_lanes<S: Simd>(&self, simd: S, pixels: &PixelLanes<'_, S>, wanted: u64) -> u64 {
+        let surface = &self.surfaces[pixels.flats[2].to_bits() as usize];
+        let Some(texture) = surface.texture else {
+            return pixels.each(wanted, |pixel| self.keeps(pixel));
+        };
+        let levels = texture.level_for_lanes(simd, pixels.derivative_x, pixels.derivative_y);
+        let at = [pixels.varyings[0], pixels.varyings[1]];
+        let alpha = texture.alpha_lanes(simd, at, levels, Wrap::Clamp, wanted);
+        let alpha = alpha * f32x8::splat(simd, surface.base_color.w);
+        alpha
+            .simd_ge(f32x8::splat(simd, surface.alpha_cutoff))
+            .to_bitmask()
     }
 
     fn texels_tested(&self) -> u64 {

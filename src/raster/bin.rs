@@ -1,37 +1,31 @@
-//! Which triangles each tile must look at, in the order of submission.
+//! What each tile must look at, in the order of submission.
+
+use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::setup::{Chunk, TRIANGLES_A_CHUNK, Triangle};
+use super::piece::Piece;
+use super::setup::{MOST_TRIANGLES, Triangle};
 use super::view::PixelBox;
 use crate::math::index_u32;
 
-/// A triangle of some chunk.
+/// A piece, whole or one of its triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TriangleId(u32);
-
-const LOCAL_BITS: u32 = TRIANGLES_A_CHUNK.trailing_zeros();
-const _: () = assert!(TRIANGLES_A_CHUNK == 1 << LOCAL_BITS, "a power of two");
-
-impl TriangleId {
-    fn new(chunk: usize, local: usize) -> Self {
-        let chunk = index_u32(chunk);
-        assert!(
-            chunk < 1 << (u32::BITS - LOCAL_BITS),
-            "a call draws at most 2^28 primitives; draw them by several calls"
-        );
-        Self(chunk << LOCAL_BITS | index_u32(local))
-    }
-
-    pub(super) fn chunk(self) -> usize {
-        (self.0 >> LOCAL_BITS) as usize
-    }
-
-    #[inline]
-    pub(super) fn of(self, chunks: &[Chunk]) -> &Triangle {
-        &chunks[self.chunk()].triangles[(self.0 & ((1 << LOCAL_BITS) - 1)) as usize]
-    }
+pub(super) struct Entry {
+    pub(super) piece: u32,
+    /// The triangle, or [`WHOLE`](Self::WHOLE).
+    pub(super) triangle: u32,
 }
+
+impl Entry {
+    /// All triangles of the piece.
+    pub(super) const WHOLE: u32 = u32::MAX;
+}
+
+const _: () = assert!(
+    MOST_TRIANGLES < Entry::WHOLE as usize,
+    "triangles are told from pieces"
+);
 
 /// The grid of tiles over a target.
 #[derive(Debug, Clone, Copy)]
@@ -42,83 +36,111 @@ pub(super) struct Grid {
     pub(super) shift: u32,
 }
 
-/// The triangles of every tile, in parts that were sorted side by side.
+impl Grid {
+    /// How many tiles some pixels lie on.
+    pub(super) fn tiles_of(self, pixels: PixelBox) -> usize {
+        let [columns, rows] = tiles(self, pixels);
+        columns.len() * rows.len()
+    }
+}
+
+/// What each tile must look at, in parts that were sorted side by side.
 #[derive(Debug)]
 pub(super) struct Bins {
     grid: Grid,
     parts: Vec<Part>,
 }
 
-/// The triangles of every tile, from some chunks in a row.
+/// What each tile must look at of some pieces in a row.
 #[derive(Debug)]
 struct Part {
-    /// Where each tile's triangles start in `ids`; one more than there are tiles.
+    /// Where each tile's entries start; one more than there are tiles.
     starts: Vec<usize>,
-    ids: Vec<TriangleId>,
+    entries: Vec<Entry>,
 }
 
 /// How many parts there are at the most: a constant, so that threads cannot be seen.
 const PARTS: usize = 8;
 
 impl Bins {
-    /// Sorts triangles into tiles by counting, in the order of chunks.
-    pub(super) fn new(grid: Grid, chunks: &[Chunk]) -> Self {
-        let chunks_a_part = chunks.len().div_ceil(PARTS).max(1);
-        let parts = chunks
-            .par_chunks(chunks_a_part)
+    /// Sorts pieces into tiles by counting, in their order, and tells each on how many it may show.
+    pub(super) fn new(grid: Grid, pieces: &[Piece<'_>]) -> Self {
+        let pieces_a_part = pieces.len().div_ceil(PARTS).max(1);
+        let parts = pieces
+            .par_chunks(pieces_a_part)
             .enumerate()
-            .map(|(number, some)| Part::new(grid, number * chunks_a_part, some))
+            .map(|(number, some)| Part::new(grid, number * pieces_a_part, some))
             .collect();
         Self { grid, parts }
     }
 
-    /// Replaces `ids` by the triangles of the tile at a column and row of the grid; by none beyond
-    /// the grid.
-    pub(super) fn of_tile(&self, column: usize, row: usize, ids: &mut Vec<TriangleId>) {
-        ids.clear();
+    /// Replaces `entries` by those of the tile at a column and row of the grid; by none beyond the grid.
+    pub(super) fn of_tile(&self, column: usize, row: usize, entries: &mut Vec<Entry>) {
+        entries.clear();
         if column >= self.grid.columns || row >= self.grid.rows {
             return;
         }
         let tile = row * self.grid.columns + column;
         for part in &self.parts {
-            ids.extend_from_slice(&part.ids[part.starts[tile]..part.starts[tile + 1]]);
+            entries.extend_from_slice(&part.entries[part.starts[tile]..part.starts[tile + 1]]);
         }
     }
 }
 
 impl Part {
-    /// Sorts the triangles of `chunks`, of which the first has this number.
-    fn new(grid: Grid, first: usize, chunks: &[Chunk]) -> Self {
+    /// Sorts `pieces`, of which the first has this number.
+    fn new(grid: Grid, first: usize, pieces: &[Piece<'_>]) -> Self {
         let mut starts = vec![0; grid.columns * grid.rows + 1];
-        visit(grid, first, chunks, |tile, _| starts[tile + 1] += 1);
+        visit(grid, first, pieces, |tile, _| starts[tile + 1] += 1);
         for tile in 1..starts.len() {
             starts[tile] += starts[tile - 1];
         }
         let mut next = starts.clone();
-        let mut ids = vec![TriangleId(0); starts[starts.len() - 1]];
-        visit(grid, first, chunks, |tile, id| {
-            ids[next[tile]] = id;
+        let nothing = Entry {
+            piece: 0,
+            triangle: 0,
+        };
+        let mut entries = vec![nothing; starts[starts.len() - 1]];
+        visit(grid, first, pieces, |tile, entry| {
+            entries[next[tile]] = entry;
             next[tile] += 1;
         });
-        Self { starts, ids }
+        Self { starts, entries }
     }
 }
 
-fn visit(grid: Grid, first: usize, chunks: &[Chunk], mut each: impl FnMut(usize, TriangleId)) {
-    for (number, chunk) in (first..).zip(chunks) {
-        for (local, pixels) in chunk.boxes.iter().enumerate() {
-            let id = TriangleId::new(number, local);
-            let [columns, rows] = tiles(grid, *pixels);
+fn visit(grid: Grid, first: usize, pieces: &[Piece<'_>], mut each: impl FnMut(usize, Entry)) {
+    for (number, piece) in (index_u32(first)..).zip(pieces) {
+        let Some(chunk) = &piece.sorted else {
+            let [columns, rows] = tiles(grid, piece.reach.pixels);
+            let count = index_u32(columns.len() * rows.len());
+            piece.tiles.store(count, Ordering::Relaxed);
+            for row in rows {
+                for column in columns.clone() {
+                    let entry = Entry {
+                        piece: number,
+                        triangle: Entry::WHOLE,
+                    };
+                    each(row * grid.columns + column, entry);
+                }
+            }
+            continue;
+        };
+        for (triangle, local) in chunk.triangles.iter().zip(0..) {
+            let entry = Entry {
+                piece: number,
+                triangle: local,
+            };
+            let [columns, rows] = tiles(grid, triangle.pixels);
             if columns.len() == 1 && rows.len() == 1 {
-                each(rows.start * grid.columns + columns.start, id);
+                each(rows.start * grid.columns + columns.start, entry);
                 continue;
             }
-            let triangle = &chunk.triangles[local];
             let apart = columns.len() > 1 && rows.len() > 1;
             for row in rows {
                 for column in columns.clone() {
                     if !apart || touches(grid, triangle, column, row) {
-                        each(row * grid.columns + column, id);
+                        each(row * grid.columns + column, entry);
                     }
                 }
             }

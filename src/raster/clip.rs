@@ -26,7 +26,7 @@ pub(super) const MAX_PARTS: usize = MAX_CORNERS - 2;
 
 const PLANES: usize = 7;
 /// Small enough to lie before any near plane, large enough that its inverse is an `f32`.
-const LEAST_W: f64 = 1.0 / (1_u64 << 40) as f64;
+pub(super) const LEAST_W: f64 = 1.0 / (1_u64 << 40) as f64;
 /// Half the width in pixels of the guard band, around the middle of the target.
 const GUARD_PIXELS: f64 = 16384.0;
 
@@ -36,6 +36,12 @@ impl Volume {
         Self {
             guard: [width, height].map(|side| GUARD_PIXELS / (f64::from(side.max(1)) / 2.0)),
         }
+    }
+
+    /// How many times `w` x and y may be.
+    #[inline(always)]
+    pub(super) fn guard(self) -> [f64; 2] {
+        self.guard
     }
 
     /// Whether a position is inside of all planes.

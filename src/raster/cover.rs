@@ -1,50 +1,86 @@
 //! Which samples a triangle covers and which of them it wins: the visibility buffer.
 //!
-//! A patch of 8 × 8 pixels at a time: what lies behind all that is there is skipped, the others'
-//! depths are compared in lanes. Pixels that may win become candidates, and the alpha of a
-//! triangle's candidates is tested together.
+//! Triangles of one sample a pixel that are not too large are decided in lanes, eight pixels of a row at
+//! a time, with edge functions in 32 bits; the others span by span. Either way pixels that may win become
+//! candidates, and the alpha of a triangle's candidates is tested together.
 
 use std::ops::Range;
 
+use fearless_simd::{
+    Bytes, Select, Simd, SimdBase, SimdInt, SimdMask, f32x8, i32x8, mask32x8, u32x8,
+};
+
 use super::frame::BLOCK_SIDE;
-use super::hidden::patch_number;
 use super::pixels::{Along, Gains, Spans, gains, visit_spans};
 use super::plane::{Attributes, Edges, LANES, depth_at};
-use super::setup::Triangle;
-use super::tile::Tile;
-use super::view::PixelBox;
+use super::setup::{Chunk, Triangle};
+use super::tile::{Choice, Tile};
+use super::view::{PixelBox, SUBPIXELS};
 use super::{Counters, Fragment};
 use crate::math::index_u32;
 
-/// Decides the opaque triangles `entries` of a tile against what is there.
-pub(super) fn cover<F: Fragment, const SAMPLES: usize>(
+/// Decides opaque triangles of a tile against what is there.
+#[inline(always)]
+pub(super) fn cover<S: Simd, F: Fragment, const SAMPLES: usize>(
+    simd: S,
     kernel: &F,
-    tile: &mut Tile<'_>,
-    entries: &[u32],
+    tile: &mut Tile<'_, '_>,
+    chunk: &Chunk<'_>,
+    choice: Choice<'_>,
 ) {
     let mut candidates = tile.scratch.candidates.take().unwrap_or_default();
     let exact = tile.scene.counters == Counters::Exact;
     let tests_alpha = F::TESTS_ALPHA && (exact || !kernel.keeps_all());
-    for &entry in entries {
-        let entry = entry as usize;
-        let triangle = tile.triangle(entry).0;
-        let Some(pixels) = tile.pixels_of(triangle) else {
+    for place in 0..choice.count(chunk) {
+        let number = choice.triangle(place);
+        let triangle = &chunk.triangles[number];
+        let Some(pixels) = tile.pixels.meet(triangle.pixels) else {
             continue;
         };
+        if !exact && many(pixels) && tile.hides(pixels, triangle.nearest.max(0.0).to_bits()) {
+            continue;
+        }
         let mut contest = Contest::<F, SAMPLES> {
             kernel,
             edges: Edges::of(triangle),
             triangle,
-            entry,
+            number,
+            mark: 0,
             exact,
             tests_alpha,
             tile,
+            chunk,
             candidates: &mut candidates,
             attributes: None,
         };
-        contest.fight(pixels);
+        if SAMPLES == 1 && fits_lanes(triangle) {
+            contest.fight_in_lanes(simd, pixels);
+        } else {
+            contest.fight(simd, pixels);
+        }
     }
     tile.scratch.candidates = Some(candidates);
+}
+
+/// Whether it pays to look first if all that is there is nearer.
+#[inline(always)]
+fn many(pixels: PixelBox) -> bool {
+    let [columns, rows] = [0, 1].map(|axis| pixels.last[axis] - pixels.first[axis] + 1);
+    columns * rows >= 24
+}
+
+/// Whether the edge functions of a triangle stay within 32 bits at all pixels of its box and up to a row
+/// of lanes beside it.
+///
+/// With sides up to `s` sub-pixels a value is at most `2 s (s + 8 · 256)`, which is less than 2³¹.
+#[inline(always)]
+fn fits_lanes(triangle: &Triangle) -> bool {
+    const SIDE: i32 = 30_000;
+    let side = |values: [i32; 3]| {
+        let [least, greatest] = super::view::range_of(values);
+        greatest - least
+    };
+    side(triangle.x) <= SIDE && side(triangle.y) <= SIDE
 }
 
 /// The most candidates that are tested together.
@@ -62,8 +98,6 @@ pub(super) struct Candidates {
     covered: [u32; MOST],
     winning: [u32; MOST],
     depths: [[u32; 4]; MOST],
-    /// A bit a patch of the block in which something was won.
-    changed: u64,
 }
 
 impl Default for Candidates {
@@ -75,13 +109,12 @@ impl Default for Candidates {
             covered: [0; MOST],
             winning: [0; MOST],
             depths: [[0; 4]; MOST],
-            changed: 0,
         }
     }
 }
 
 impl Candidates {
-    #[inline]
+    #[inline(always)]
     fn push<const SAMPLES: usize>(
         &mut self,
         index: usize,
@@ -104,35 +137,152 @@ impl Candidates {
 struct Contest<'c, 't, 'a, F, const SAMPLES: usize> {
     kernel: &'c F,
     edges: Edges,
-    triangle: &'a Triangle,
-    entry: usize,
+    triangle: &'c Triangle,
+    number: usize,
+    /// What samples that it wins are marked with; 0 as long as there is none.
+    mark: u32,
     exact: bool,
     tests_alpha: bool,
-    tile: &'c mut Tile<'t>,
+    tile: &'c mut Tile<'t, 'a>,
+    chunk: &'c Chunk<'c>,
     candidates: &'c mut Candidates,
-    attributes: Option<Attributes<'a>>,
+    attributes: Option<Attributes<'c>>,
 }
 
-impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPLES> {
+impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
+    /// Eight pixels of a row at a time, one sample each.
     #[inline(always)]
-    fn fight(&mut self, pixels: PixelBox) {
-        if !self.exact && self.tile.hides(pixels, self.triangle.nearest) {
-            return;
+    fn fight_in_lanes<S: Simd>(&mut self, simd: S, pixels: PixelBox) {
+        let [x0, y0] = pixels.first;
+        let [x1, y1] = pixels.last;
+        // Lanes stay within the block: those beside the pixels are left out by their column.
+        let last_start = self.tile.origin[0] + BLOCK_SIDE.cast_signed() - LANE_COUNT;
+        let lane = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
+        let (right, down, bias) = (self.edges.right, self.edges.down, self.edges.bias);
+        let (right, down) = (
+            [step(right[0]), step(right[1]), step(right[2])],
+            [step(down[0]), step(down[1]), step(down[2])],
+        );
+        let along = [
+            lane * i32x8::splat(simd, right[0]),
+            lane * i32x8::splat(simd, right[1]),
+            lane * i32x8::splat(simd, right[2]),
+        ];
+        let below = [
+            i32x8::splat(simd, down[0]),
+            i32x8::splat(simd, down[1]),
+            i32x8::splat(simd, down[2]),
+        ];
+        let biases = [
+            i32x8::splat(simd, narrow(bias[1])),
+            i32x8::splat(simd, narrow(bias[2])),
+        ];
+        let zero = i32x8::splat(simd, 0);
+        let depths = DepthLanes::of(simd, self.triangle);
+        let mut start = x0;
+        while start <= x1 {
+            let x = start.min(last_start);
+            let wanted = columns(x, start, x1);
+            let at = self.edges.at_pixel(x, y0);
+            let mut first = along[0] + i32x8::splat(simd, narrow(at[0] + bias[0]));
+            let mut second = along[1] + i32x8::splat(simd, narrow(at[1]));
+            let mut third = along[2] + i32x8::splat(simd, narrow(at[2]));
+            let mut index = self.tile.index(x, y0);
+            for _ in y0..=y1 {
+                let outside = first | (second + biases[0]) | (third + biases[1]);
+                let covered = outside.simd_ge(zero).to_bitmask() & wanted;
+                if covered != 0 {
+                    self.row_in_lanes(simd, &depths, [second, third], covered, index);
+                }
+                first += below[0];
+                second += below[1];
+                third += below[2];
+                index += BLOCK_SIDE as usize;
+            }
+            start = x + LANE_COUNT;
         }
-        let edges = self.edges;
-        let gains = gains::<SAMPLES>(self.tile.scene.samples, &edges);
-        visit_spans(&edges, &gains, pixels, |spans| self.row(&gains, spans));
-        self.decide();
+        if self.tests_alpha {
+            self.decide(simd);
+        }
     }
 
     #[inline(always)]
-    fn row(&mut self, gains: &Gains<SAMPLES>, spans: &Spans<SAMPLES>) {
+    fn row_in_lanes<S: Simd>(
+        &mut self,
+        simd: S,
+        depths: &DepthLanes<S>,
+        edges: [i32x8<S>; 2],
+        covered: u64,
+        index: usize,
+    ) {
+        let centre: [f32x8<S>; 2] = [edges[0].to_float(), edges[1].to_float()];
+        let depth = depths.at(simd, centre);
+        let bits: u32x8<S> = depth.bitcast();
+        let there = u32x8::from_slice(simd, &self.tile.depth[index..][..LANES]);
+        let mut winning = bits.simd_lt(there).to_bitmask() & covered;
+        let mut equal = bits.simd_eq(there).to_bitmask() & covered;
+        while equal != 0 {
+            let lane = equal.trailing_zeros() as usize;
+            equal &= equal - 1;
+            let wins = self.tile.wins_tie(self.chunk, self.number, index + lane);
+            winning |= u64::from(wins) << lane;
+        }
+        if self.exact {
+            let count = u64::from(covered.count_ones());
+            self.tile.work(self.chunk.batch).covered += count;
+        } else if winning == 0 {
+            return;
+        }
+        if !self.tests_alpha {
+            if winning != 0 {
+                let mark = self.mark();
+                let mask = mask32x8::from_bitmask(simd, winning);
+                let depths = mask.select(bits, there);
+                depths.store_slice(&mut self.tile.depth[index..][..LANES]);
+                let owners = &mut self.tile.scratch.owner[index..][..LANES];
+                let held = u32x8::from_slice(simd, owners);
+                let held = mask.select(u32x8::splat(simd, mark), held);
+                held.store_slice(owners);
+            }
+            return;
+        }
+        if self.candidates.count > MOST - LANES {
+            self.decide(simd);
+        }
+        let (mut depths, mut centres) = ([0_u32; LANES], [[0.0_f32; LANES]; 2]);
+        bits.store_slice(&mut depths);
+        centre[0].store_slice(&mut centres[0]);
+        centre[1].store_slice(&mut centres[1]);
+        let mut rest = if self.exact { covered } else { winning };
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            let wins = u32::from(winning >> lane & 1 == 1);
+            let at = [centres[0][lane], centres[1][lane]];
+            self.candidates
+                .push(index + lane, at, [1, wins], [depths[lane]]);
+        }
+    }
+
+    /// Span by span.
+    #[inline(always)]
+    fn fight<S: Simd>(&mut self, simd: S, pixels: PixelBox) {
+        let edges = self.edges;
+        let gains = gains::<SAMPLES>(self.tile.scene.samples, &edges);
+        visit_spans(&edges, &gains, pixels, |spans| {
+            self.row(simd, &gains, spans);
+        });
+        self.decide(simd);
+    }
+
+    #[inline(always)]
+    fn row<S: Simd>(&mut self, simd: S, gains: &Gains<SAMPLES>, spans: &Spans<SAMPLES>) {
         let [first, last] = spans.columns();
         if first > last {
             return;
         }
         if self.candidates.count > MOST - BLOCK_SIDE as usize {
-            self.decide();
+            self.decide(simd);
         }
         let triangle = self.triangle;
         let start = self.tile.index(first, spans.y);
@@ -157,7 +307,9 @@ impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPL
                 let depth = depth_at(triangle, along.sample(gains[sample])).to_bits();
                 let wins = depth < there[sample]
                     || (depth == there[sample]
-                        && self.tile.wins_tie(self.entry, index * SAMPLES + sample));
+                        && self
+                            .tile
+                            .wins_tie(self.chunk, self.number, index * SAMPLES + sample));
                 winning |= u32::from(wins) << sample;
                 depths[sample] = depth;
             }
@@ -169,73 +321,153 @@ impl<'t: 'a, 'a, F: Fragment, const SAMPLES: usize> Contest<'_, 't, 'a, F, SAMPL
             along.step();
         }
         if self.exact {
-            self.tile.work(triangle.batch).covered += u64::from(covered_samples);
+            self.tile.work(self.chunk.batch).covered += u64::from(covered_samples);
         }
     }
 
     /// Tests the alpha of the candidates; those that are there win.
-    #[inline(never)]
-    fn decide(&mut self) {
+    #[inline(always)]
+    fn decide<S: Simd>(&mut self, simd: S) {
         let count = std::mem::take(&mut self.candidates.count);
-        if count == 0 {
-            return;
-        }
         if !self.tests_alpha {
             for place in 0..count {
                 self.win(place);
             }
         } else {
             for first in (0..count).step_by(LANES) {
-                self.test(first..count.min(first + LANES));
+                self.test(simd, first..count.min(first + LANES));
             }
         }
-        let patches = std::mem::take(&mut self.candidates.changed);
-        let furthest = &mut self.tile.scratch.furthest;
-        furthest.renew::<SAMPLES>(patches, self.tile.depth);
     }
 
     /// Tests at most 8 candidates.
     #[inline(always)]
-    fn test(&mut self, places: Range<usize>) {
-        let (triangle, edges, tile) = (self.triangle, &self.edges, &mut *self.tile);
-        let attributes = self.attributes.get_or_insert_with(|| {
-            let (_, chunk, batch) = tile.triangle(self.entry);
-            Attributes::of::<F>(triangle, edges, chunk, batch)
-        });
-        let at = |axis: usize| {
-            let lanes = self.candidates.centre[axis][places.start..].first_chunk();
-            *lanes.expect("a whole number of times 8 candidates")
+    fn test<S: Simd>(&mut self, simd: S, places: Range<usize>) {
+        let (triangle, chunk) = (self.triangle, self.chunk);
+        if self.attributes.is_none() {
+            self.attributes = Some(Attributes::of::<F>(triangle, &self.edges, chunk));
+        }
+        let Some(attributes) = &self.attributes else {
+            return;
         };
-        let centres = [at(0), at(1)];
-        let pixels = attributes.pixels::<F>(centres);
-        for (place, lane) in places.zip(0..LANES) {
-            let index = self.candidates.index[place] as usize;
-            let position = self.tile.pixel_at(index).map(i32::unsigned_abs);
-            let depth = depth_at(triangle, [centres[0][lane], centres[1][lane]]);
-            let keeps = pixels.hand_over(lane, position, depth, |pixel| self.kernel.keeps(pixel));
-            if self.exact {
-                let work = self.tile.work(triangle.batch);
+        let (first, count) = (places.start, places.len());
+        let candidates = &*self.candidates;
+        let centre: [f32x8<S>; 2] = [
+            f32x8::from_slice(simd, &candidates.centre[0][first..][..LANES]),
+            f32x8::from_slice(simd, &candidates.centre[1][first..][..LANES]),
+        ];
+        let mut positions = [[0; 2]; LANES];
+        for (lane, position) in positions.iter_mut().enumerate().take(count) {
+            let [x, y] = self.tile.pixel_at(candidates.index[first + lane] as usize);
+            *position = [x.unsigned_abs(), y.unsigned_abs()];
+        }
+        let mut depths = [0.0; LANES];
+        DepthLanes::of(simd, triangle)
+            .at(simd, centre)
+            .store_slice(&mut depths);
+        let pixels = attributes.lanes::<S, F>(simd, centre, positions, depths);
+        let wanted = (1_u64 << count) - 1;
+        let kept = self.kernel.keeps_lanes(simd, &pixels, wanted) & wanted;
+        if self.exact {
+            for lane in 0..count {
+                let covered = self.candidates.covered[first + lane].count_ones();
+                let work = self.tile.work(chunk.batch);
                 work.texels += self.kernel.texels_tested();
-                if !keeps {
-                    work.alpha_killed += u64::from(self.candidates.covered[place].count_ones());
-                }
+                work.alpha_killed += u64::from(covered) * (1 - (kept >> lane & 1));
             }
-            if keeps {
-                self.win(place);
-            }
+        }
+        let mut rest = kept;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            self.win(first + lane);
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn win(&mut self, place: usize) {
-        let index = self.candidates.index[place] as usize;
-        let first = index * SAMPLES;
-        self.candidates.changed |= 1 << patch_number(index);
-        for sample in 0..SAMPLES {
-            if self.candidates.winning[place] >> sample & 1 == 1 {
-                self.tile.depth[first + sample] = self.candidates.depths[place][sample];
-                self.tile.scratch.owner[first + sample] = index_u32(self.entry) + 1;
-            }
+        let mark = self.mark();
+        win::<SAMPLES>(self.tile, self.candidates, place, mark);
+    }
+
+    /// What samples are marked with that it wins.
+    #[inline(always)]
+    fn mark(&mut self) -> u32 {
+        if self.mark == 0 {
+            self.mark = self.tile.enter(self.number);
+        }
+        self.mark
+    }
+}
+
+#[inline(always)]
+fn win<const SAMPLES: usize>(
+    tile: &mut Tile<'_, '_>,
+    candidates: &Candidates,
+    place: usize,
+    mark: u32,
+) {
+    let first = candidates.index[place] as usize * SAMPLES;
+    for sample in 0..SAMPLES {
+        if candidates.winning[place] >> sample & 1 == 1 {
+            tile.depth[first + sample] = candidates.depths[place][sample];
+            tile.scratch.owner[first + sample] = mark;
         }
     }
+}
+
+/// As many as [`LANES`].
+const LANE_COUNT: i32 = 8;
+const _: () = assert!(LANES == LANE_COUNT.unsigned_abs() as usize, "one number");
+
+/// The bits of the lanes from column `x` on that lie within some columns.
+#[inline(always)]
+fn columns(x: i32, first: i32, last: i32) -> u64 {
+    let before = (1_u64 << (first - x)) - 1;
+    let until = (2_u64 << (last - x).min(LANE_COUNT - 1)) - 1;
+    until & !before
+}
+
+/// The plane of a triangle's depth.
+struct DepthLanes<S: Simd> {
+    base: f32x8<S>,
+    slopes: [f32x8<S>; 2],
+}
+
+impl<S: Simd> DepthLanes<S> {
+    #[inline(always)]
+    fn of(simd: S, triangle: &Triangle) -> Self {
+        Self {
+            base: f32x8::splat(simd, triangle.depth),
+            slopes: [
+                f32x8::splat(simd, triangle.depth_slopes[0]),
+                f32x8::splat(simd, triangle.depth_slopes[1]),
+            ],
+        }
+    }
+
+    /// As [`depth_at`].
+    #[inline(always)]
+    fn at(&self, simd: S, edges: [f32x8<S>; 2]) -> f32x8<S> {
+        let depth = self.base + (edges[0] * self.slopes[0] + edges[1] * self.slopes[1]);
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let depth = depth.simd_gt(zero).select(depth, zero);
+        depth.simd_lt(one).select(depth, one)
+    }
+}
+
+/// What an edge function of a triangle that [fits lanes](fits_lanes) gains a pixel.
+#[inline(always)]
+fn step(subpixel: i64) -> i32 {
+    narrow(subpixel * i64::from(SUBPIXELS))
+}
+
+/// An edge function, or a step of one, of a triangle that [fits lanes](fits_lanes).
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "sides are limited so that nothing is cut off"
+)]
+fn narrow(value: i64) -> i32 {
+    value as i32
 }

@@ -32,16 +32,13 @@ pub(super) struct Block {
     used: bool,
     pub(super) depth: Vec<u32>,
     pub(super) colour: Vec<Vec4>,
-    pub(super) shown: Vec<Key>,
+    /// One more than the place of a key in `keys`, or [`NOTHING`].
+    pub(super) shown: Vec<u32>,
+    pub(super) keys: Vec<Key>,
 }
 
-/// What shows where nothing was drawn; no triangle has this number within its primitive.
-pub(super) const NOTHING: Key = Key {
-    group: u32::MAX,
-    instance: u32::MAX,
-    vertex: u32::MAX,
-    triangle: u32::MAX,
-};
+/// What shows where nothing was drawn.
+pub(super) const NOTHING: u32 = 0;
 
 impl Target {
     /// The largest width or height in pixels.
@@ -103,8 +100,8 @@ impl Target {
     #[must_use]
     pub fn key(&self, x: u32, y: u32) -> Option<Key> {
         let (block, index) = self.place(x, y)?;
-        let key = block.shown[index * self.samples.count()];
-        (key != NOTHING).then_some(key)
+        let shown = block.shown[index * self.samples.count()];
+        (shown != NOTHING).then(|| block.keys[shown as usize - 1])
     }
 
     /// How many pixels show something of a group, by their first sample.
@@ -231,6 +228,7 @@ impl Ready {
             refill(&mut block.depth, self.count, self.depth);
             refill(&mut block.colour, self.count, self.colour);
             refill(&mut block.shown, self.count, NOTHING);
+            block.keys.clear();
         }
     }
 }
@@ -241,6 +239,27 @@ fn refill<T: Copy>(values: &mut Vec<T>, count: usize, value: T) {
 }
 
 impl Block {
+    /// Forgets keys that show nowhere, once there are more of them than samples.
+    pub(super) fn tidy(&mut self) {
+        if self.keys.len() <= self.shown.len() {
+            return;
+        }
+        let mut moved = vec![NOTHING; self.keys.len() + 1];
+        let mut kept = Vec::new();
+        for shown in &mut self.shown {
+            if *shown == NOTHING {
+                continue;
+            }
+            let to = &mut moved[*shown as usize];
+            if *to == NOTHING {
+                kept.push(self.keys[*shown as usize - 1]);
+                *to = index_u32(kept.len());
+            }
+            *shown = *to;
+        }
+        self.keys = kept;
+    }
+
     #[inline]
     fn resolve(&self, index: usize, samples: Samples) -> Vec4 {
         match samples {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::math::index_u32;
 
-/// The owner of a sample that no triangle of the run has won; others are entries plus one.
+/// The owner of a sample that no triangle of the run has won; others are places among the winners plus one.
 pub(super) const NOBODY: u32 = 0;
 
 /// A pixel and those of its samples that one triangle owns.
@@ -30,7 +30,6 @@ impl Item {
 /// The pixels that each triangle of a run must be shaded at.
 #[derive(Debug, Default)]
 pub(super) struct Items {
-    first_entry: usize,
     starts: Vec<u32>,
     pub(super) list: Vec<Item>,
 }
@@ -39,19 +38,17 @@ impl Items {
     /// The places in the list of an entry's pixels.
     #[inline]
     pub(super) fn of(&self, entry: usize) -> Range<usize> {
-        let at = entry - self.first_entry;
-        self.starts[at] as usize..self.starts[at + 1] as usize
+        self.starts[entry] as usize..self.starts[entry + 1] as usize
     }
 
-    pub(super) fn begin(&mut self, entries: Range<usize>) {
-        self.first_entry = entries.start;
+    pub(super) fn begin(&mut self, entries: usize) {
         self.starts.clear();
-        self.starts.resize(entries.len() + 2, 0);
+        self.starts.resize(entries + 2, 0);
     }
 
     /// Counts are kept two places on, so that filling leaves the starts in place.
     pub(super) fn count(&mut self, owner: u32) {
-        self.starts[owner as usize - 1 - self.first_entry + 2] += 1;
+        self.starts[owner as usize + 1] += 1;
     }
 
     pub(super) fn lay_out(&mut self) {
@@ -64,7 +61,7 @@ impl Items {
     }
 
     pub(super) fn put(&mut self, owner: u32, item: Item) {
-        let next = &mut self.starts[owner as usize - 1 - self.first_entry + 1];
+        let next = &mut self.starts[owner as usize];
         self.list[*next as usize] = item;
         *next += 1;
     }
@@ -94,10 +91,10 @@ mod tests {
 
     #[test]
     fn pixels_are_sorted_by_owner_with_their_samples() {
-        // Entries 4, 5 and 6 own samples of two pixels; the last pixel's third is nobody's.
-        let pixels = [[7, 7, 5, 5], [5, 7, NOBODY, 7]];
+        // Entries 0, 1 and 2 own samples of two pixels; the last pixel's third is nobody's.
+        let pixels = [[3, 3, 1, 1], [1, 3, NOBODY, 3]];
         let mut items = Items::default();
-        items.begin(4..7);
+        items.begin(3);
         for owners in &pixels {
             each_owner(owners, |owner, _| items.count(owner));
         }
@@ -113,8 +110,8 @@ mod tests {
                 .map(|item| (item.index(), item.mask()))
                 .collect()
         };
-        assert_eq!(of(4), [(10, 0b1100), (11, 0b0001)]);
-        assert_eq!(of(5), []);
-        assert_eq!(of(6), [(10, 0b0011), (11, 0b1010)]);
+        assert_eq!(of(0), [(10, 0b1100), (11, 0b0001)]);
+        assert_eq!(of(1), []);
+        assert_eq!(of(2), [(10, 0b0011), (11, 0b1010)]);
     }
 }

@@ -1,5 +1,7 @@
 //! The fragment stage: what decides whether a pixel is there and which colour it has.
 
+use fearless_simd::{Simd, f32x8};
+
 use super::tile::Passes;
 use crate::math::{Vec2, Vec4};
 
@@ -23,6 +25,13 @@ pub trait Fragment: Send + Sync + std::fmt::Debug {
 
     /// The alpha test: whether the pixel is there at all.
     fn keeps(&self, pixel: &Pixel<'_>) -> bool;
+
+    /// The same of eight pixels of one triangle, a bit each; of those without a bit in `wanted` it does
+    /// not matter. Must answer for each what [`keeps`](Self::keeps) does, which it asks unless written.
+    #[inline(always)]
+    fn keeps_lanes<S: Simd>(&self, _: S, pixels: &PixelLanes<'_, S>, wanted: u64) -> u64 {
+        pixels.each(wanted, |pixel| self.keeps(pixel))
+    }
 
     /// Whether [`keeps`](Self::keeps) answers `true` whatever the pixel, so that it need not be asked.
     fn keeps_all(&self) -> bool {
@@ -60,6 +69,53 @@ pub struct Pixel<'a> {
     pub position: [u32; 2],
     /// Depth from 0 (near) to 1 (far).
     pub depth: f32,
+}
+
+/// What a fragment stage may know of eight pixels of one triangle, as [`Pixel`] has it.
+#[derive(Debug)]
+pub struct PixelLanes<'a, S: Simd> {
+    /// Interpolated floats; the first [`Fragment::VARYINGS`] are set.
+    pub varyings: [f32x8<S>; MAX_VARYINGS],
+    /// How the first two varyings change from a pixel to the next on the right.
+    pub derivative_x: [f32x8<S>; 2],
+    /// How the first two varyings change from a pixel to the next below.
+    pub derivative_y: [f32x8<S>; 2],
+    /// The primitive's [`Fragment::FLATS`] floats.
+    pub flats: &'a [f32],
+    /// Whether the triangle is seen from its front.
+    pub front: bool,
+    /// Columns and rows.
+    pub positions: [[u32; 2]; 8],
+    /// Depths.
+    pub depths: [f32; 8],
+}
+
+impl<S: Simd> PixelLanes<'_, S> {
+    /// Asks of each pixel with a bit in `wanted`; answers a bit for each of which it holds.
+    #[inline(always)]
+    pub fn each(&self, wanted: u64, mut holds: impl FnMut(&Pixel<'_>) -> bool) -> u64 {
+        let mut answer = 0;
+        let mut rest = wanted;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % 8;
+            rest &= rest - 1;
+            let mut varyings = [0.0; MAX_VARYINGS];
+            for (varying, lanes) in varyings.iter_mut().zip(&self.varyings) {
+                *varying = lanes[lane];
+            }
+            let pixel = Pixel {
+                varyings: &varyings,
+                derivative_x: Vec2::new(self.derivative_x[0][lane], self.derivative_x[1][lane]),
+                derivative_y: Vec2::new(self.derivative_y[0][lane], self.derivative_y[1][lane]),
+                flats: self.flats,
+                front: self.front,
+                position: self.positions[lane],
+                depth: self.depths[lane],
+            };
+            answer |= u64::from(holds(&pixel)) << lane;
+        }
+        answer
+    }
 }
 
 /// A [`Fragment`] behind a pointer; implemented for every fragment stage, and nowhere else.

@@ -67,27 +67,30 @@ mod clip;
 mod colour;
 mod cover;
 mod frame;
-mod hidden;
 mod items;
 mod kernel;
-mod order;
+mod lanes;
 mod pass;
+mod piece;
 mod pixels;
 mod plane;
 mod probe;
-mod region;
+mod project;
+mod reach;
 mod setup;
 mod shade;
+mod source;
 mod texture;
 mod tile;
 mod view;
 
 pub use colour::decode_srgb;
 pub use frame::{Image, Target};
-pub use kernel::{Fragment, Kernel, MAX_FLATS, MAX_VARYINGS, Pixel};
-pub use pass::{Options, render, render_region};
+pub use kernel::{Fragment, Kernel, MAX_FLATS, MAX_VARYINGS, Pixel, PixelLanes};
+pub use lanes::Instructions;
+pub use pass::{Machine, Options, Rendered, Skips, render, render_on};
 pub use probe::{ProbedFragment, probe};
-pub use region::Region;
+pub use source::{Hull, PART, Part, Source};
 pub use texture::{MipMap, Wrap};
 
 use crate::math::Vec4;
@@ -133,7 +136,7 @@ pub enum Blend {
 #[derive(Debug, Clone, Copy)]
 pub struct Batch<'a> {
     /// The vertices and corners.
-    pub geometry: &'a Geometry,
+    pub geometry: &'a dyn Source,
     /// How corners connect.
     pub topology: Topology,
     /// The fragment stage with its textures and constants.

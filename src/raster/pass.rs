@@ -1,14 +1,14 @@
-//! A call of the rasterizer: set up, bin, and draw the tiles in parallel.
+//! A call of the rasterizer: find out where pieces may show, and draw the tiles in parallel.
 
 use rayon::prelude::*;
 
 use super::bin::{Bins, Grid};
 use super::frame::{BLOCK_SIDE, Block, Ready, Target};
-use super::region::Region;
-use super::setup::{primitive_count, set_up};
+use super::lanes::Instructions;
+use super::piece::pieces;
 use super::tile::{Scene, Scratch, Tile};
 use super::view::{PixelBox, View};
-use super::{Batch, Counters, MAX_FLATS, MAX_VARYINGS, TileSize, Work};
+use super::{Batch, Counters, TileSize, Work};
 
 /// How to rasterize; nothing here changes a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +19,24 @@ pub struct Options {
     pub counters: Counters,
 }
 
+/// What the machine that rasterizes has; nothing here changes a picture or a counter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Machine {
+    /// About how many bytes triangles may take that are set up at once; others are set up where they
+    /// are needed, some more than once.
+    pub geometry_bytes: u64,
+    /// Which instructions it may use.
+    pub instructions: Instructions,
+}
+
+impl Machine {
+    /// This machine with 1 GiB for triangles, more than most calls need.
+    pub const THIS: Self = Self {
+        geometry_bytes: 1 << 30,
+        instructions: Instructions::Best,
+    };
+}
+
 /// Draws batches into a target, in the order of submission as far as order matters, and returns the
 /// work of each.
 ///
@@ -27,45 +45,30 @@ pub struct Options {
 ///
 /// # Panics
 ///
-/// When a geometry's lists contradict each other or its kernel, or there are more than 2²⁸
-/// primitives: lengths are checked where they enter.
+/// When a geometry's lists contradict each other or its kernel: lengths are checked where they enter.
 pub fn render(target: &mut Target, batches: &[Batch<'_>], options: &Options) -> Vec<Work> {
-    let whole = Region::whole([target.width(), target.height()]);
-    render_region(target, batches, options, whole)
+    render_on(Machine::THIS, target, batches, options).works
 }
 
-/// As [`render`], of some blocks of the target; the others stay as they are.
-///
-/// Regions that share no block and are all of the target, drawn one after another with the same
-/// batches, leave what one call leaves, and their work adds up to its work. Opaque batches that cover
-/// nothing of a region may be left out there.
+/// As [`render`], on a machine of which something is told.
 ///
 /// # Panics
 ///
 /// As [`render`].
-pub fn render_region(
+pub fn render_on(
+    machine: Machine,
     target: &mut Target,
     batches: &[Batch<'_>],
     options: &Options,
-    region: Region,
-) -> Vec<Work> {
+) -> Rendered {
     let mut sums = vec![Work::default(); batches.len()];
-    for batch in batches {
-        check(batch);
-    }
     let (width, height, samples) = (target.width(), target.height(), target.samples());
     if width == 0 || height == 0 {
-        return sums;
+        return Rendered {
+            works: sums,
+            skips: Skips::default(),
+        };
     }
-    let view = View::new(width, height, samples).within(region.pixels());
-    let scene = Scene {
-        batches,
-        runs: runs(batches),
-        chunks: set_up(&view, batches),
-        view,
-        samples,
-        counters: options.counters,
-    };
     let shift = options.tile.side().trailing_zeros();
     let tiles = |side: u32| side.div_ceil(options.tile.side()) as usize;
     let grid = Grid {
@@ -73,13 +76,22 @@ pub fn render_region(
         rows: tiles(height),
         shift,
     };
-    let bins = Bins::new(grid, &scene.chunks);
+    let view = View::new(width, height, samples).with(machine.instructions.level());
+    let (pieces, parts) = pieces(&view, grid, batches, machine.geometry_bytes);
+    let scene = Scene {
+        batches,
+        runs: runs(batches),
+        pieces,
+        view,
+        samples,
+        counters: options.counters,
+    };
+    let bins = Bins::new(grid, &scene.pieces);
     let (ready, columns, blocks) = target.parts();
-    let works: Vec<Vec<(u32, Work)>> = blocks
+    let works: Vec<(Vec<(u32, Work)>, Skips)> = blocks
         .par_iter_mut()
         .with_max_len(1)
         .enumerate()
-        .filter(|(number, _)| region.contains([number % columns, number / columns]))
         .map_init(
             || Scratch::new(samples),
             |scratch, (number, block)| {
@@ -88,29 +100,60 @@ pub fn render_region(
             },
         )
         .collect();
-    for (batch, work) in works.iter().flatten() {
-        sums[*batch as usize] = sums[*batch as usize].plus(work);
+    let mut skips = Skips {
+        parts,
+        outside: parts - scene.pieces.len() as u64,
+        ..Skips::default()
+    };
+    for (works, of_block) in &works {
+        for (batch, work) in works {
+            sums[*batch as usize] = sums[*batch as usize].plus(work);
+        }
+        skips.visits += of_block.visits;
+        skips.hidden += of_block.hidden;
     }
-    sums
+    Rendered { works: sums, skips }
 }
 
-fn draw_block(
-    scene: &Scene<'_>,
+/// What came of a call.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rendered {
+    /// The work of each batch.
+    pub works: Vec<Work>,
+    /// What was left out.
+    pub skips: Skips,
+}
+
+/// What was left out, and why: a diagnostic of this version, no promise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Skips {
+    /// Parts of all batches.
+    pub parts: u64,
+    /// Parts that show nowhere: beside the target, or between its samples.
+    pub outside: u64,
+    /// How often a tile looked at a part that may show on it.
+    pub visits: u64,
+    /// How often all that was there on the tile hid the part.
+    pub hidden: u64,
+}
+
+fn draw_block<'a>(
+    scene: &Scene<'a>,
     bins: &Bins,
     grid: Grid,
     ready: Ready,
     place: [usize; 2],
     block: &mut Block,
-    scratch: &mut Scratch,
-) -> Vec<(u32, Work)> {
+    scratch: &mut Scratch<'a>,
+) -> (Vec<(u32, Work)>, Skips) {
     let side = 1 << grid.shift;
     let tiles = (BLOCK_SIDE >> grid.shift) as usize;
     scratch.reset();
-    let mut ids = std::mem::take(&mut scratch.ids);
+    let mut entries = std::mem::take(&mut scratch.entries);
     for row in place[1] * tiles..(place[1] + 1) * tiles {
         for column in place[0] * tiles..(place[0] + 1) * tiles {
-            bins.of_tile(column, row, &mut ids);
-            if ids.is_empty() {
+            bins.of_tile(column, row, &mut entries);
+            if entries.is_empty() {
                 continue;
             }
             ready.make(block);
@@ -118,7 +161,7 @@ fn draw_block(
             let first = [corner(column, side), corner(row, side)];
             let mut tile = Tile {
                 scene,
-                ids: &ids,
+                entries: &entries,
                 pixels: PixelBox {
                     first,
                     last: first.map(|first| first + side - 1),
@@ -127,12 +170,14 @@ fn draw_block(
                 depth: &mut block.depth,
                 colour: &mut block.colour,
                 shown: &mut block.shown,
+                keys: &mut block.keys,
                 scratch: &mut *scratch,
             };
             tile.draw();
         }
     }
-    scratch.ids = ids;
+    scratch.entries = entries;
+    block.tidy();
     scratch.take_works()
 }
 
@@ -141,35 +186,13 @@ fn runs(batches: &[Batch<'_>]) -> Vec<u32> {
     let mut run = 0;
     let mut blend = None;
     let number = |batch: &Batch<'_>| {
-        if primitive_count(batch) > 0 && blend != Some(batch.blend) {
+        if batch.geometry.parts(batch.topology) > 0 && blend != Some(batch.blend) {
             run += 1;
             blend = Some(batch.blend);
         }
         run
     };
     batches.iter().map(number).collect()
-}
-
-fn check(batch: &Batch<'_>) {
-    let geometry = batch.geometry;
-    let (varyings, flats) = (batch.kernel.varyings(), batch.kernel.flats());
-    assert!(
-        varyings <= MAX_VARYINGS && flats <= MAX_FLATS,
-        "a kernel has {varyings} varyings and {flats} flats, the most is {MAX_VARYINGS} and {MAX_FLATS}"
-    );
-    let vertices = geometry.clip.len();
-    assert!(
-        geometry.vertex_ids.len() == vertices && geometry.varyings.len() == vertices * varyings,
-        "{vertices} vertices have {} ids and {} floats, their kernel wants {varyings} each",
-        geometry.vertex_ids.len(),
-        geometry.varyings.len(),
-    );
-    let primitives = primitive_count(batch);
-    assert!(
-        geometry.flats.len() >= primitives * flats,
-        "{primitives} primitives have {} flats, their kernel wants {flats} each",
-        geometry.flats.len(),
-    );
 }
 
 impl Work {

@@ -280,7 +280,10 @@ mod tests {
             nearest: 0.0,
             vertex: 0,
             corners: [0; 3],
-            batch: 0,
+            pixels: PixelBox {
+                first: [0; 2],
+                last: [0; 2],
+            },
             primitive: 0,
             part: 0,
             front: false,

@@ -1,8 +1,10 @@
 //! Edge functions and what is interpolated by them: exact integers, then `f32` in a stated order.
 
+use fearless_simd::{Simd, SimdBase, f32x8};
+
 use super::setup::{Chunk, Triangle};
 use super::view::{SUBPIXELS, inverse_w};
-use super::{Batch, Fragment, MAX_VARYINGS, Pixel};
+use super::{Fragment, MAX_VARYINGS, Pixel, PixelLanes};
 use crate::math::Vec2;
 
 /// The three edge functions of a triangle; the one numbered `k` is 0 on the edge that faces corner
@@ -22,7 +24,7 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(triangle: &Triangle) -> Self {
         let mut edges = Self {
             origin: [0; 3],
@@ -45,29 +47,30 @@ impl Edges {
     }
 
     /// The sum of all three, which is the same everywhere.
-    #[inline]
+    #[inline(always)]
     fn twice_area(&self) -> i64 {
         self.origin[0] + self.origin[1] + self.origin[2]
     }
 
     /// At the centre of a pixel.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at_pixel(&self, x: i32, y: i32) -> [i64; 3] {
         let centre = |pixel: i32| i64::from(pixel * SUBPIXELS + SUBPIXELS / 2);
         let (x, y) = (centre(x), centre(y));
-        std::array::from_fn(|k| self.origin[k] + self.right[k] * x + self.down[k] * y)
+        let at = |k: usize| self.origin[k] + self.right[k] * x + self.down[k] * y;
+        [at(0), at(1), at(2)]
     }
 }
 
 /// The depth of a triangle at a point given by its second and third edge functions.
-#[inline]
+#[inline(always)]
 pub(super) fn depth_at(triangle: &Triangle, edges: [f32; 2]) -> f32 {
     let [second, third] = triangle.depth_slopes;
     super::view::clamp_depth(triangle.depth + (edges[0] * second + edges[1] * third))
 }
 
 /// The second and third edge functions as floats, each rounded once.
-#[inline]
+#[inline(always)]
 pub(super) fn coordinates(edges: [i64; 2]) -> [f32; 2] {
     [edges[0] as f32, edges[1] as f32]
 }
@@ -80,7 +83,7 @@ struct Plane {
 }
 
 impl Plane {
-    #[inline]
+    #[inline(always)]
     fn new(at: [f32; 3], inverse_area: f32) -> Self {
         Self {
             base: at[0],
@@ -91,12 +94,19 @@ impl Plane {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn at(self, edges: [f32; 2]) -> f32 {
         self.base + self.change(edges)
     }
 
-    #[inline]
+    #[inline(always)]
+    fn lanes<S: Simd>(self, simd: S, edges: [f32x8<S>; 2]) -> f32x8<S> {
+        let [second, third] = self.slopes;
+        let change = edges[0] * f32x8::splat(simd, second) + edges[1] * f32x8::splat(simd, third);
+        f32x8::splat(simd, self.base) + change
+    }
+
+    #[inline(always)]
     fn change(self, edges: [f32; 2]) -> f32 {
         edges[0] * self.slopes[0] + edges[1] * self.slopes[1]
     }
@@ -115,14 +125,13 @@ pub(super) struct Attributes<'a> {
 }
 
 impl<'a> Attributes<'a> {
-    #[inline]
+    #[inline(always)]
     pub(super) fn of<F: Fragment>(
         triangle: &Triangle,
         edges: &Edges,
-        chunk: &Chunk,
-        batch: &Batch<'a>,
+        chunk: &'a Chunk<'_>,
     ) -> Self {
-        let geometry = batch.geometry;
+        let geometry = &*chunk.geometry;
         let inverse_area = 1.0 / edges.twice_area() as f32;
         let corners = triangle.corners.map(|corner| corner as usize);
         let over_w = if triangle.cut {
@@ -158,7 +167,7 @@ impl<'a> Attributes<'a> {
     }
 
     /// Hands `use_pixel` the pixel whose centre has these second and third edge functions.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pixel<F: Fragment, R>(
         &self,
         edges: [f32; 2],
@@ -192,74 +201,40 @@ impl<'a> Attributes<'a> {
         })
     }
 
-    /// The 8 pixels whose centres have these second and third edge functions.
+    /// The 8 pixels at these places whose centres have these second and third edge functions.
     #[inline(always)]
-    pub(super) fn pixels<F: Fragment>(&self, edges: [[f32; LANES]; 2]) -> Pixels<'a> {
-        let mut pixels = Pixels {
-            varyings: [[0.0; LANES]; MAX_VARYINGS],
-            derivatives: [[[0.0; LANES]; 2]; 2],
+    pub(super) fn lanes<S: Simd, F: Fragment>(
+        &self,
+        simd: S,
+        edges: [f32x8<S>; 2],
+        positions: [[u32; 2]; LANES],
+        depths: [f32; LANES],
+    ) -> PixelLanes<'_, S> {
+        let one = f32x8::splat(simd, 1.0);
+        let w = one / self.inverse_w.lanes(simd, edges);
+        let mut varyings = [f32x8::splat(simd, 0.0); MAX_VARYINGS];
+        for k in 0..F::VARYINGS {
+            varyings[k] = self.varyings[k].lanes(simd, edges) * w;
+        }
+        let mut derivatives = [[f32x8::splat(simd, 0.0); 2]; 2];
+        for step in 0..2 {
+            let change_of_inverse = f32x8::splat(simd, self.inverse_w.change(self.steps[step]));
+            for k in 0..if F::VARYINGS < 2 { F::VARYINGS } else { 2 } {
+                let change = f32x8::splat(simd, self.varyings[k].change(self.steps[step]));
+                derivatives[step][k] = (change - varyings[k] * change_of_inverse) * w;
+            }
+        }
+        PixelLanes {
+            varyings,
+            derivative_x: derivatives[0],
+            derivative_y: derivatives[1],
             flats: self.flats,
             front: self.front,
-        };
-        let mut w = [0.0; LANES];
-        for lane in 0..LANES {
-            w[lane] = 1.0 / self.inverse_w.at([edges[0][lane], edges[1][lane]]);
+            positions,
+            depths,
         }
-        for (values, plane) in pixels.varyings[..F::VARYINGS]
-            .iter_mut()
-            .zip(&self.varyings)
-        {
-            for lane in 0..LANES {
-                values[lane] = plane.at([edges[0][lane], edges[1][lane]]) * w[lane];
-            }
-        }
-        for (derivatives, step) in pixels.derivatives.iter_mut().zip(self.steps) {
-            let change_of_inverse = self.inverse_w.change(step);
-            for (k, derivative) in derivatives.iter_mut().enumerate().take(F::VARYINGS) {
-                let change = self.varyings[k].change(step);
-                for lane in 0..LANES {
-                    let varying = pixels.varyings[k][lane];
-                    derivative[lane] = (change - varying * change_of_inverse) * w[lane];
-                }
-            }
-        }
-        pixels
     }
 }
 
 /// Pixels whose attributes are computed together.
 pub(super) const LANES: usize = 8;
-
-/// What a fragment stage is told of 8 pixels, the same as of each alone.
-#[derive(Debug)]
-pub(super) struct Pixels<'a> {
-    varyings: [[f32; LANES]; MAX_VARYINGS],
-    /// To the right and downwards, of the first two varyings.
-    derivatives: [[[f32; LANES]; 2]; 2],
-    flats: &'a [f32],
-    front: bool,
-}
-
-impl Pixels<'_> {
-    /// Hands `use_pixel` one of the pixels.
-    #[inline(always)]
-    pub(super) fn hand_over<R>(
-        &self,
-        lane: usize,
-        position: [u32; 2],
-        depth: f32,
-        use_pixel: impl FnOnce(&Pixel<'_>) -> R,
-    ) -> R {
-        let varyings = self.varyings.map(|values| values[lane]);
-        let derivative = |step: usize| Vec2::from(self.derivatives[step].map(|of| of[lane]));
-        use_pixel(&Pixel {
-            varyings: &varyings,
-            derivative_x: derivative(0),
-            derivative_y: derivative(1),
-            flats: self.flats,
-            front: self.front,
-            position,
-            depth,
-        })
-    }
-}

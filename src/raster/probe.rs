@@ -6,9 +6,9 @@
 
 use super::plane::{Attributes, Edges, coordinates, depth_at};
 use super::setup::{Chunk, Triangle, key, set_up, vertex_ids};
-use super::view::{SUBPIXELS, View};
+use super::view::{PixelBox, SUBPIXELS, View};
 use super::{Batch, Blend, Fragment, Key, Samples};
-use crate::math::Vec4;
+use crate::math::{Vec4, index_u32};
 
 /// A fragment: what a triangle is at a pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,45 +41,69 @@ pub fn probe(
         return Vec::new();
     }
     let view = View::new(width, height, samples);
-    let chunks = set_up(&view, batches);
     let at = pixel.map(u32::cast_signed);
+    let here = PixelBox {
+        first: at,
+        last: at,
+    };
     let mut fragments = Vec::new();
-    for chunk in &chunks {
-        for (triangle, pixels) in chunk.triangles.iter().zip(&chunk.boxes) {
-            let inside = |axis: usize| (pixels.first[axis]..=pixels.last[axis]).contains(&at[axis]);
-            if !inside(0) || !inside(1) {
-                continue;
-            }
-            let edges = Edges::of(triangle);
-            let depths: Vec<Option<f32>> = samples
-                .offsets()
-                .iter()
-                .map(|&offset| depth_of_sample(triangle, &edges, at, offset))
-                .collect();
-            if depths.iter().all(Option::is_none) {
-                continue;
-            }
-            let batch = &batches[triangle.batch as usize];
-            let point = Point {
-                triangle,
-                chunk,
-                edges,
-                pixel,
-                batch: *batch,
-            };
-            let (kept, colour) = batch.kernel.probe(&point);
-            fragments.push(ProbedFragment {
-                key: key(batch, triangle),
-                corners: vertex_ids(batch, triangle).collect(),
-                depths,
-                kept,
-                front: triangle.front,
-                blend: batch.blend,
-                colour,
+    for (batch, number) in batches.iter().zip(0..) {
+        for part in 0..index_u32(batch.geometry.parts(batch.topology)) {
+            let hull = batch.geometry.hull(part as usize);
+            let reaches = hull.is_none_or(|hull| {
+                let reach = view.reach(&hull, batch.topology);
+                reach.is_some_and(|reach| reach.pixels.meet(here).is_some())
             });
+            if reaches {
+                let chunk = set_up(&view, batch, [number, part], None, &mut Vec::new());
+                look(&chunk, batch, samples, pixel, &mut fragments);
+            }
         }
     }
     fragments
+}
+
+/// Adds the fragments of a chunk at a pixel.
+fn look(
+    chunk: &Chunk<'_>,
+    batch: &Batch<'_>,
+    samples: Samples,
+    pixel: [u32; 2],
+    fragments: &mut Vec<ProbedFragment>,
+) {
+    let at = pixel.map(u32::cast_signed);
+    for triangle in &chunk.triangles {
+        let pixels = triangle.pixels;
+        let inside = |axis: usize| (pixels.first[axis]..=pixels.last[axis]).contains(&at[axis]);
+        if !inside(0) || !inside(1) {
+            continue;
+        }
+        let edges = Edges::of(triangle);
+        let depths: Vec<Option<f32>> = samples
+            .offsets()
+            .iter()
+            .map(|&offset| depth_of_sample(triangle, &edges, at, offset))
+            .collect();
+        if depths.iter().all(Option::is_none) {
+            continue;
+        }
+        let point = Point {
+            triangle,
+            chunk,
+            edges,
+            pixel,
+        };
+        let (kept, colour) = batch.kernel.probe(&point);
+        fragments.push(ProbedFragment {
+            key: key(batch, triangle),
+            corners: vertex_ids(batch, chunk, triangle).collect(),
+            depths,
+            kept,
+            front: triangle.front,
+            blend: batch.blend,
+            colour,
+        });
+    }
 }
 
 /// The depth at a sample of a pixel, if the triangle covers it.
@@ -102,10 +126,9 @@ fn depth_of_sample(
 #[derive(Debug)]
 pub struct Point<'a> {
     triangle: &'a Triangle,
-    chunk: &'a Chunk,
+    chunk: &'a Chunk<'a>,
     edges: Edges,
     pixel: [u32; 2],
-    batch: Batch<'a>,
 }
 
 impl Point<'_> {
@@ -115,7 +138,7 @@ impl Point<'_> {
         let [_, second, third] = self.edges.at_pixel(x, y);
         let centre = coordinates([second, third]);
         let depth = depth_at(self.triangle, centre);
-        let attributes = Attributes::of::<F>(self.triangle, &self.edges, self.chunk, &self.batch);
+        let attributes = Attributes::of::<F>(self.triangle, &self.edges, self.chunk);
         attributes.pixel::<F, _>(centre, self.pixel, depth, |pixel| {
             let kept = !F::TESTS_ALPHA || fragment.keeps_all() || fragment.keeps(pixel);
             (kept, fragment.shade(pixel))

@@ -1,18 +1,23 @@
 //! From corners to triangles in sub-pixels: clip, project, snap, turn, drop what covers nothing.
 
+use std::borrow::Cow;
+
+use fearless_simd::{Simd, dispatch};
+
 use super::clip::{ClipVertex, MAX_PARTS};
+use super::project::{Projection, TOGETHER};
+use super::reach::{Cover, Reach};
+use super::source::{PART, Part};
 use super::view::{PixelBox, Projected, SUBPIXELS, View, inverse_w, range_of, snap};
-use super::{Batch, Geometry, Key, MAX_VARYINGS, Topology};
+use super::{Batch, Geometry, Key, MAX_FLATS, MAX_VARYINGS, Topology};
 use crate::math::{Vec4, index_u32};
 
-/// Primitives that one thread sets up at a time; fixed, so that work is cut the same way always.
-const PRIMITIVES_A_CHUNK: u32 = 512;
-/// The most triangles of a chunk, of which each primitive has two, each cut into some.
-pub(super) const TRIANGLES_A_CHUNK: usize = PRIMITIVES_A_CHUNK as usize * 2 * MAX_PARTS;
+/// The most triangles of a part, of which each primitive has two, each cut into some.
+pub(super) const MOST_TRIANGLES: usize = PART * 2 * MAX_PARTS;
 
 /// More than rounding moves the depth of a covered sample: each of the two weights, which are at most 1
 /// in sum, is rounded six times and their sum twice, by at most 2⁻²⁴ each.
-const DEPTH_ERROR: f32 = 1.0 / 1_048_576.0;
+pub(super) const DEPTH_ERROR: f32 = 1.0 / 1_048_576.0;
 
 /// A triangle ready to be covered: corners in an order of positive area in y-down sub-pixels.
 #[derive(Debug, Clone, Copy)]
@@ -29,8 +34,9 @@ pub(super) struct Triangle {
     pub(super) vertex: u32,
     /// Where the corners' attributes are: in the geometry, or in the chunk's cut vertices.
     pub(super) corners: [u32; 3],
-    pub(super) batch: u32,
-    /// The primitive within the batch.
+    /// The pixels that it may cover.
+    pub(super) pixels: PixelBox,
+    /// The primitive within the part's geometry.
     pub(super) primitive: u32,
     /// The triangle within the primitive.
     pub(super) part: u8,
@@ -39,12 +45,15 @@ pub(super) struct Triangle {
     pub(super) cut: bool,
 }
 
-/// The primitives of one work item, set up.
-#[derive(Debug, Default)]
-pub(super) struct Chunk {
+/// The primitives of a part, set up: those triangles that may cover a sample.
+#[expect(unnameable_types, reason = "seals `Kernel`: nobody else can make one")]
+#[derive(Debug)]
+pub struct Chunk<'a> {
+    pub(super) batch: u32,
+    /// The part of the batch.
+    pub(super) part: u32,
+    pub(super) geometry: Cow<'a, Geometry>,
     pub(super) triangles: Vec<Triangle>,
-    /// The pixels that each triangle may cover.
-    pub(super) boxes: Vec<PixelBox>,
     pub(super) cut: CutVertices,
 }
 
@@ -54,65 +63,6 @@ pub(super) struct CutVertices {
     pub(super) inverse_w: Vec<f32>,
     /// [`MAX_VARYINGS`] floats each; those of the batch are set.
     pub(super) varyings: Vec<[f32; MAX_VARYINGS]>,
-}
-
-/// A range of a batch's primitives.
-#[derive(Debug, Clone, Copy)]
-struct Segment {
-    batch: u32,
-    first: u32,
-    count: u32,
-}
-
-/// Cuts batches into work items of a fixed number of primitives; small batches share one.
-pub(super) fn set_up(view: &View, batches: &[Batch<'_>]) -> Vec<Chunk> {
-    use rayon::prelude::*;
-    work_items(batches)
-        .par_iter()
-        .map(|segments| set_up_chunk(view, batches, segments))
-        .collect()
-}
-
-fn work_items(batches: &[Batch<'_>]) -> Vec<Vec<Segment>> {
-    let mut items = Vec::new();
-    let mut item = Vec::new();
-    let mut room = PRIMITIVES_A_CHUNK;
-    for (batch, number) in batches.iter().zip(0_u32..) {
-        let total = index_u32(primitive_count(batch));
-        let mut first = 0;
-        while first < total {
-            let count = room.min(total - first);
-            item.push(Segment {
-                batch: number,
-                first,
-                count,
-            });
-            first += count;
-            room -= count;
-            if room == 0 {
-                items.push(std::mem::take(&mut item));
-                room = PRIMITIVES_A_CHUNK;
-            }
-        }
-    }
-    if !item.is_empty() {
-        items.push(item);
-    }
-    items
-}
-
-/// How many whole primitives a batch has.
-pub(super) fn primitive_count(batch: &Batch<'_>) -> usize {
-    batch.geometry.corners.len() / corners_of(batch.topology)
-}
-
-/// Corners a primitive.
-pub(super) fn corners_of(topology: Topology) -> usize {
-    match topology {
-        Topology::TriangleList => 3,
-        Topology::QuadList => 4,
-        Topology::LineList => 2,
-    }
 }
 
 /// The key of a triangle of a batch.
@@ -127,13 +77,14 @@ pub(super) fn key(batch: &Batch<'_>, triangle: &Triangle) -> Key {
 
 /// The vertex ids of the corners of a triangle's primitive, as submitted; the greatest number for a
 /// corner that names no vertex.
-pub(super) fn vertex_ids<'a>(
-    batch: &Batch<'a>,
+pub(super) fn vertex_ids<'c>(
+    batch: &Batch<'_>,
+    chunk: &'c Chunk<'_>,
     triangle: &Triangle,
-) -> impl Iterator<Item = u32> + use<'a> {
-    let size = corners_of(batch.topology);
+) -> impl Iterator<Item = u32> + use<'c> {
+    let size = batch.topology.corners();
     let first = triangle.primitive as usize * size;
-    let geometry = batch.geometry;
+    let geometry = &*chunk.geometry;
     let corners = geometry.corners[first..first + size].iter();
     corners.map(|&corner| {
         let id = geometry.vertex_ids.get(corner as usize);
@@ -141,70 +92,180 @@ pub(super) fn vertex_ids<'a>(
     })
 }
 
-fn set_up_chunk(view: &View, batches: &[Batch<'_>], segments: &[Segment]) -> Chunk {
-    let primitives: u32 = segments.iter().map(|segment| segment.count).sum();
-    let room = 2 * primitives as usize;
+/// Sets up a part of a batch, of which both numbers are told.
+///
+/// Triangles that `cover` hides may be left out: they lie wholly on it.
+pub(super) fn set_up<'a>(
+    view: &View,
+    batch: &Batch<'a>,
+    [number, part]: [u32; 2],
+    cover: Option<&Cover<'_>>,
+    scratch: &mut Vec<Triangle>,
+) -> Chunk<'a> {
+    let Part {
+        geometry,
+        primitives,
+    } = batch.geometry.part(part as usize, batch.topology);
+    check(batch, &geometry);
     let mut builder = Builder {
         view,
-        chunk: Chunk {
-            triangles: Vec::with_capacity(room),
-            boxes: Vec::with_capacity(room),
-            cut: CutVertices::default(),
-        },
+        geometry: &geometry,
+        varyings: batch.kernel.varyings(),
+        cover,
+        triangles: std::mem::take(scratch),
+        cut: CutVertices::default(),
     };
-    for segment in segments {
-        let batch = &batches[segment.batch as usize];
-        let size = corners_of(batch.topology);
-        let range = segment.first as usize * size..(segment.first + segment.count) as usize * size;
-        let primitives = batch.geometry.corners[range].chunks_exact(size);
-        for (corners, primitive) in primitives.zip(segment.first..) {
-            let place = Place {
-                batch: segment.batch,
-                primitive,
-                geometry: batch.geometry,
-                varyings: batch.kernel.varyings(),
-            };
-            match *corners {
-                [a, b, c] => builder.triangle(&place, [a, b, c], 0),
-                [a, b, c, d] => {
-                    builder.triangle(&place, [a, b, c], 0);
-                    builder.triangle(&place, [a, c, d], 1);
-                }
-                [a, b] => builder.line(&place, [a, b]),
-                _ => {}
+    let (size, first) = (batch.topology.corners(), index_u32(primitives.start));
+    let corners = &geometry.corners[primitives.start * size..primitives.end * size];
+    let level = view.level;
+    match batch.topology {
+        Topology::TriangleList => {
+            dispatch!(level, simd => builder.all::<_, 3>(simd, corners, first));
+        }
+        Topology::QuadList => {
+            dispatch!(level, simd => builder.all::<_, 4>(simd, corners, first));
+        }
+        Topology::LineList => {
+            for (corners, primitive) in corners.as_chunks().0.iter().zip(first..) {
+                builder.line(primitive, *corners);
             }
         }
     }
-    builder.chunk
+    let Builder {
+        triangles: mut made,
+        cut,
+        ..
+    } = builder;
+    let triangles = made.clone();
+    made.clear();
+    *scratch = made;
+    Chunk {
+        batch: number,
+        part,
+        geometry,
+        triangles,
+        cut,
+    }
 }
 
-/// Which primitive is set up.
-struct Place<'a> {
-    batch: u32,
-    primitive: u32,
-    geometry: &'a Geometry,
-    varyings: usize,
+fn check(batch: &Batch<'_>, geometry: &Geometry) {
+    let (varyings, flats) = (batch.kernel.varyings(), batch.kernel.flats());
+    assert!(
+        varyings <= MAX_VARYINGS && flats <= MAX_FLATS,
+        "a kernel has {varyings} varyings and {flats} flats, the most is {MAX_VARYINGS} and {MAX_FLATS}"
+    );
+    let vertices = geometry.clip.len();
+    assert!(
+        geometry.vertex_ids.len() == vertices && geometry.varyings.len() == vertices * varyings,
+        "{vertices} vertices have {} ids and {} floats, their kernel wants {varyings} each",
+        geometry.vertex_ids.len(),
+        geometry.varyings.len(),
+    );
+    let primitives = geometry.primitive_count(batch.topology);
+    assert!(
+        geometry.flats.len() >= primitives * flats,
+        "{primitives} primitives have {} flats, their kernel wants {flats} each",
+        geometry.flats.len(),
+    );
+}
+
+impl Chunk<'_> {
+    /// Where its triangles may show; `None` if there are none.
+    pub(super) fn reach(&self) -> Option<Reach> {
+        let reaches = self.triangles.iter().map(|triangle| Reach {
+            pixels: triangle.pixels,
+            nearest: triangle.nearest.max(0.0),
+        });
+        reaches.reduce(Reach::and)
+    }
+
+    /// About how many bytes it takes.
+    pub(super) fn bytes(&self) -> u64 {
+        let geometry = match &self.geometry {
+            Cow::Borrowed(_) => 0,
+            Cow::Owned(geometry) => geometry.bytes(),
+        };
+        geometry + (self.triangles.len() * size_of::<Triangle>()) as u64
+    }
 }
 
 struct Builder<'a> {
     view: &'a View,
-    chunk: Chunk,
+    geometry: &'a Geometry,
+    varyings: usize,
+    cover: Option<&'a Cover<'a>>,
+    triangles: Vec<Triangle>,
+    cut: CutVertices,
 }
 
 impl Builder<'_> {
-    fn triangle(&mut self, place: &Place<'_>, corners: [u32; 3], part: u8) {
-        let Some((corners, vertex)) = lowest_first(place.geometry, corners) else {
+    /// Triangles or quads, eight at a time as far as they need not be cut.
+    #[inline(always)]
+    fn all<S: Simd, const CORNERS: usize>(&mut self, simd: S, corners: &[u32], first: u32) {
+        let mut primitive = first;
+        for corners in corners.chunks(CORNERS * TOGETHER) {
+            let projection = Projection::<CORNERS>::new(simd, self.view, self.geometry, corners);
+            let seen = match self.cover {
+                None => projection.seen,
+                Some(cover) => projection.uncovered(self.view, cover),
+            };
+            let mut rest = seen | projection.alone;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let corners = &corners[lane * CORNERS..][..CORNERS];
+                let primitive = primitive + index_u32(lane);
+                let alone = projection.alone >> lane & 1 == 1;
+                for part in 0..CORNERS - 2 {
+                    let places = [0, part + 1, part + 2];
+                    let of = [corners[0], corners[part + 1], corners[part + 2]];
+                    let part = u8::from(part == 1);
+                    if alone {
+                        self.triangle(primitive, of, part);
+                    } else {
+                        self.projected(primitive, of, part, projection.triangle(lane, places));
+                    }
+                }
+            }
+            primitive += index_u32(TOGETHER);
+        }
+    }
+
+    /// A triangle on the target that need not be cut.
+    #[inline(always)]
+    fn projected(&mut self, primitive: u32, corners: [u32; 3], part: u8, at: [Projected; 3]) {
+        let ids = &self.geometry.vertex_ids;
+        let [a, b, c] = corners.map(|corner| ids[corner as usize]);
+        let [p, q, r] = at;
+        let [i, j, k] = corners;
+        let source = Source {
+            primitive,
+            vertex: a,
+            part,
+            cut: false,
+        };
+        if a <= b && a <= c {
+            self.emit([p, q, r], [i, j, k], source);
+        } else if b <= c {
+            self.emit([q, r, p], [j, k, i], source);
+        } else {
+            self.emit([r, p, q], [k, i, j], source);
+        }
+    }
+
+    #[inline(never)]
+    fn triangle(&mut self, primitive: u32, corners: [u32; 3], part: u8) {
+        let Some((corners, vertex)) = lowest_first(self.geometry, corners) else {
             return;
         };
-        let at = |corner: u32| place.geometry.clip[corner as usize];
+        let at = |corner: u32| self.geometry.clip[corner as usize];
         let clip = [at(corners[0]), at(corners[1]), at(corners[2])];
         if !clip.iter().all(|position| position.is_finite()) || beside_the_view(clip) {
             return;
         }
         let positions = [widen(clip[0]), widen(clip[1]), widen(clip[2])];
         let source = Source {
-            batch: place.batch,
-            primitive: place.primitive,
+            primitive,
             vertex,
             part,
             cut: false,
@@ -222,24 +283,18 @@ impl Builder<'_> {
             self.emit(projected, corners, source);
         } else {
             let polygon = self.view.volume.clip_triangle(positions);
-            self.cut_polygon(place, corners, source, polygon.vertices());
+            self.cut_polygon(corners, source, polygon.vertices());
         }
     }
 
     /// The polygon as a fan around its first vertex.
-    fn cut_polygon(
-        &mut self,
-        place: &Place<'_>,
-        corners: [u32; 3],
-        source: Source,
-        polygon: &[ClipVertex],
-    ) {
+    fn cut_polygon(&mut self, corners: [u32; 3], source: Source, polygon: &[ClipVertex]) {
         if polygon.len() < 3 {
             return;
         }
-        let first = index_u32(self.chunk.cut.inverse_w.len());
+        let first = index_u32(self.cut.inverse_w.len());
         for vertex in polygon {
-            self.chunk.cut.push(place, corners, vertex);
+            self.cut.push(self.geometry, self.varyings, corners, vertex);
         }
         let source = Source {
             cut: true,
@@ -253,14 +308,14 @@ impl Builder<'_> {
     }
 
     /// A line as the rectangle of width 1 around it, its ends cut square.
-    fn line(&mut self, place: &Place<'_>, corners: [u32; 2]) {
-        let id = |corner: u32| place.geometry.vertex_ids.get(corner as usize).copied();
+    fn line(&mut self, primitive: u32, corners: [u32; 2]) {
+        let id = |corner: u32| self.geometry.vertex_ids.get(corner as usize).copied();
         let [Some(vertex), Some(other)] = corners.map(id) else {
             return;
         };
         let [a, b] = corners;
         let corners = if vertex <= other { [a, b] } else { [b, a] };
-        let clip = corners.map(|corner| place.geometry.clip[corner as usize]);
+        let clip = corners.map(|corner| self.geometry.clip[corner as usize]);
         if !clip.iter().all(|position| position.is_finite()) {
             return;
         }
@@ -283,14 +338,13 @@ impl Builder<'_> {
             y: snap(at[1] + sign * side[1]),
             ..end
         };
-        let first = index_u32(self.chunk.cut.inverse_w.len());
+        let first = index_u32(self.cut.inverse_w.len());
         for end in &ends {
             let corners = [corners[0], corners[1], corners[1]];
-            self.chunk.cut.push(place, corners, end);
+            self.cut.push(self.geometry, self.varyings, corners, end);
         }
         let source = Source {
-            batch: place.batch,
-            primitive: place.primitive,
+            primitive,
             vertex,
             part: 0,
             cut: true,
@@ -306,7 +360,7 @@ impl Builder<'_> {
         self.emit([p, r, s], [first, first + 1, first], source);
     }
 
-    #[inline]
+    #[inline(always)]
     fn emit(&mut self, corner: [Projected; 3], corners: [u32; 3], source: Source) {
         let [mut x, mut y] = [corner.map(|c| c.x), corner.map(|c| c.y)];
         let Some(pixels) = self.view.pixels(range_of(x), range_of(y)) else {
@@ -327,8 +381,11 @@ impl Builder<'_> {
             corners.swap(1, 2);
             depth.swap(1, 2);
         }
+        if self.view.is_missed(x, y, pixels) {
+            return;
+        }
         let inverse_area = 1.0 / twice_area.unsigned_abs() as f32;
-        self.chunk.triangles.push(Triangle {
+        self.triangles.push(Triangle {
             x,
             y,
             depth: depth[0],
@@ -339,20 +396,18 @@ impl Builder<'_> {
             nearest: depth[0].min(depth[1]).min(depth[2]) - DEPTH_ERROR,
             vertex: source.vertex,
             corners,
-            batch: source.batch,
+            pixels,
             primitive: source.primitive,
             part: source.part,
             front,
             cut: source.cut,
         });
-        self.chunk.boxes.push(pixels);
     }
 }
 
 /// What a triangle is part of.
 #[derive(Clone, Copy)]
 struct Source {
-    batch: u32,
     primitive: u32,
     vertex: u32,
     part: u8,
@@ -364,12 +419,12 @@ impl CutVertices {
         clippy::cast_possible_truncation,
         reason = "attributes are f32, rounded once"
     )]
-    fn push(&mut self, place: &Place<'_>, corners: [u32; 3], vertex: &ClipVertex) {
+    fn push(&mut self, geometry: &Geometry, count: usize, corners: [u32; 3], vertex: &ClipVertex) {
         let mut varyings = [0.0; MAX_VARYINGS];
-        for (varying, value) in varyings[..place.varyings].iter_mut().enumerate() {
+        for (varying, value) in varyings[..count].iter_mut().enumerate() {
             let at = |k: usize| {
-                let float = corners[k] as usize * place.varyings + varying;
-                f64::from(place.geometry.varyings[float])
+                let float = corners[k] as usize * count + varying;
+                f64::from(geometry.varyings[float])
             };
             let [a, b, c] = vertex.weights;
             *value = (at(0) * a + at(1) * b + at(2) * c) as f32;

@@ -5,28 +5,32 @@ use std::ops::Range;
 use super::items::NOBODY;
 use super::pixels::{Along, gains, visit_spans};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
-use super::setup::key;
-use super::tile::Tile;
+use super::setup::{Chunk, key};
+use super::tile::{Choice, Tile, Winners};
 use super::{Counters, Fragment};
-use crate::math::Vec4;
+use crate::math::{Vec4, index_u32};
 
-/// Shades what the triangles `entries` won, as the tile's items list it.
+/// Shades what triangles of a chunk won, as the tile's items list it.
 pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
     kernel: &F,
-    tile: &mut Tile<'_>,
-    entries: Range<usize>,
+    tile: &mut Tile<'_, '_>,
+    chunk: &Chunk<'_>,
+    winners: &Winners<'_>,
+    places: Range<usize>,
 ) {
     let exact = tile.scene.counters == Counters::Exact;
-    for entry in entries {
-        let range = tile.scratch.items.of(entry);
+    let number = chunk.batch;
+    let batch = &tile.scene.batches[number as usize];
+    for (triangle, winner) in winners.triangles().zip(places) {
+        let range = tile.scratch.items.of(winner);
         if range.is_empty() {
             continue;
         }
-        let (triangle, chunk, batch) = tile.triangle(entry);
-        let number = triangle.batch;
+        let triangle = &chunk.triangles[triangle];
         let edges = Edges::of(triangle);
-        let attributes = Attributes::of::<F>(triangle, &edges, chunk, batch);
-        let shown = key(batch, triangle);
+        let attributes = Attributes::of::<F>(triangle, &edges, chunk);
+        tile.keys.push(key(batch, triangle));
+        let shown = index_u32(tile.keys.len());
         for place in range {
             let item = tile.scratch.items.list[place];
             let [x, y] = tile.pixel_at(item.index());
@@ -54,20 +58,21 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
     }
 }
 
-/// Blends the triangles `entries` over what is there.
+/// Blends triangles of a chunk over what is there.
 pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
     kernel: &F,
-    tile: &mut Tile<'_>,
-    entries: Range<usize>,
+    tile: &mut Tile<'_, '_>,
+    chunk: &Chunk<'_>,
+    choice: Choice<'_>,
 ) {
     let exact = tile.scene.counters == Counters::Exact;
-    for entry in entries {
-        let (triangle, chunk, batch) = tile.triangle(entry);
-        let number = triangle.batch;
+    let number = chunk.batch;
+    for place in 0..choice.count(chunk) {
+        let triangle = &chunk.triangles[choice.triangle(place)];
         let edges = Edges::of(triangle);
         let gains = gains::<SAMPLES>(tile.scene.samples, &edges);
         let mut attributes = None;
-        let Some(pixels) = tile.pixels_of(triangle) else {
+        let Some(pixels) = tile.pixels.meet(triangle.pixels) else {
             continue;
         };
         let mut blend_pixel = |along: &Along, [x, y]: [i32; 2], covered: u32| {
@@ -84,8 +89,8 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
             } else if nearer == 0 {
                 return;
             }
-            let attributes = attributes
-                .get_or_insert_with(|| Attributes::of::<F>(triangle, &edges, chunk, batch));
+            let attributes =
+                attributes.get_or_insert_with(|| Attributes::of::<F>(triangle, &edges, chunk));
             let centre = along.centre();
             let position = [x, y].map(i32::unsigned_abs);
             let depth = depth_at(triangle, centre);

@@ -3,6 +3,8 @@
 //! Texture coordinates run from (0, 0), the top-left corner of the first texel, to (1, 1), the
 //! bottom-right corner of the last; texel `i` of `n` has its centre at `(i + 0.5) / n`.
 
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdInt, SimdMask, f32x8, i32x8, u32x8};
+
 use super::colour;
 use crate::math::{Vec2, Vec4};
 
@@ -149,7 +151,7 @@ impl MipMap {
     /// With `ρ` the longer of the two changes in texels, this is `log₂ ρ` rounded to the nearest,
     /// read off the exponent of `ρ²`: `⌊(⌊log₂ ρ²⌋ + 1) / 2⌋`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn level_for(&self, derivative_x: Vec2, derivative_y: Vec2) -> u32 {
         let Level { width, height, .. } = self.levels[0];
         let length_squared = |change: Vec2| {
@@ -163,7 +165,68 @@ impl MipMap {
         exponent.div_ceil(2).min(self.level_count() - 1)
     }
 
-    #[inline]
+    /// [`level_for`](Self::level_for) of eight pixels.
+    #[must_use]
+    #[inline(always)]
+    pub fn level_for_lanes<S: Simd>(
+        &self,
+        simd: S,
+        derivative_x: [f32x8<S>; 2],
+        derivative_y: [f32x8<S>; 2],
+    ) -> u32x8<S> {
+        let Level { width, height, .. } = self.levels[0];
+        let width = f32x8::splat(simd, width as f32);
+        let height = f32x8::splat(simd, height as f32);
+        let (x, y) = (derivative_x[0] * width, derivative_x[1] * height);
+        let across = x * x + y * y;
+        let (x, y) = (derivative_y[0] * width, derivative_y[1] * height);
+        let down = x * x + y * y;
+        let longest = across.simd_gt(down).select(across, down);
+        let bits: u32x8<S> = longest.bitcast();
+        let least = u32x8::splat(simd, 127);
+        let exponent = (bits >> 23).max(least) - least;
+        let level = (exponent + u32x8::splat(simd, 1)) >> 1;
+        level.min(u32x8::splat(simd, self.level_count() - 1))
+    }
+
+    /// [`alpha`](Self::alpha) of eight pixels; of those without a bit in `wanted` it does not matter.
+    #[must_use]
+    #[inline(always)]
+    pub fn alpha_lanes<S: Simd>(
+        &self,
+        simd: S,
+        [u, v]: [f32x8<S>; 2],
+        levels: u32x8<S>,
+        wrap: Wrap,
+        wanted: u64,
+    ) -> f32x8<S> {
+        let first = levels[wanted.trailing_zeros() as usize % 8];
+        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
+        if wrap == Wrap::Repeat || same & wanted != wanted {
+            let mut alphas = [0.0; 8];
+            let mut rest = wanted;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize % 8;
+                rest &= rest - 1;
+                alphas[lane] = self.alpha(Vec2::new(u[lane], v[lane]), levels[lane], wrap);
+            }
+            return f32x8::from_slice(simd, &alphas);
+        }
+        let level = self.level(first);
+        let ([left, right], across) = clamped_lanes(simd, u, level.width);
+        let ([above, below], down) = clamped_lanes(simd, v, level.height);
+        let width = i32x8::splat(simd, level.width.cast_signed());
+        let (above, below) = (above * width, below * width);
+        let a = level.alphas_at(simd, above + left);
+        let b = level.alphas_at(simd, above + right);
+        let c = level.alphas_at(simd, below + left);
+        let d = level.alphas_at(simd, below + right);
+        let above = a + (b - a) * across;
+        let below = c + (d - c) * across;
+        (above + (below - above) * down) / f32x8::splat(simd, 255.0)
+    }
+
+    #[inline(always)]
     fn level(&self, level: u32) -> &Level {
         &self.levels[(level as usize).min(self.levels.len() - 1)]
     }
@@ -199,6 +262,19 @@ struct Level {
 }
 
 impl Level {
+    /// The alphas of texels by their numbers, from 0 to 255.
+    #[inline(always)]
+    fn alphas_at<S: Simd>(&self, simd: S, texels: i32x8<S>) -> f32x8<S> {
+        let mut numbers = [0; 8];
+        texels.store_slice(&mut numbers);
+        let mut alphas = [0; 8];
+        for lane in 0..8 {
+            let alpha = self.alphas.get(numbers[lane].unsigned_abs() as usize);
+            alphas[lane] = i32::from(alpha.copied().unwrap_or(0));
+        }
+        i32x8::from_slice(simd, &alphas).to_float()
+    }
+
     #[inline(always)]
     fn square(&self, uv: Vec2, wrap: Wrap) -> Square {
         let (left, right, across) = neighbours(uv.x, self.width, wrap);
@@ -247,8 +323,6 @@ fn clamped(position: f32, size: u32) -> (u32, u32, f32) {
     } else {
         furthest
     };
-    // Adding 1.5 · 2²³ leaves no bits for a fraction, and the integer in the last bits.
-    const ROUND: f32 = 12_582_912.0;
     let sum = position + ROUND;
     let above = sum - ROUND > position;
     let floor = sum.to_bits().cast_signed() - ROUND.to_bits().cast_signed() - i32::from(above);
@@ -257,6 +331,30 @@ fn clamped(position: f32, size: u32) -> (u32, u32, f32) {
     let within = |texel: i32| texel.min(last).max(0).cast_unsigned();
     (within(floor), within(floor + 1), rest)
 }
+
+/// [`clamped`] of eight coordinates.
+#[inline(always)]
+fn clamped_lanes<S: Simd>(simd: S, coordinates: f32x8<S>, size: u32) -> ([i32x8<S>; 2], f32x8<S>) {
+    let position = coordinates * f32x8::splat(simd, size as f32) - f32x8::splat(simd, 0.5);
+    let before = f32x8::splat(simd, -1.0);
+    let position = position.simd_gt(before).select(position, before);
+    let furthest = f32x8::splat(simd, size as f32);
+    let position = position.simd_lt(furthest).select(position, furthest);
+    let round = f32x8::splat(simd, ROUND);
+    let sum = position + round;
+    let above = (sum - round).simd_gt(position);
+    let bits: i32x8<S> = sum.bitcast();
+    let (zero, one) = (i32x8::splat(simd, 0), i32x8::splat(simd, 1));
+    let nearest = bits - i32x8::splat(simd, ROUND.to_bits().cast_signed());
+    let floor = nearest - above.select(one, zero);
+    let floored: f32x8<S> = floor.to_float();
+    let last = i32x8::splat(simd, size.cast_signed() - 1);
+    let texels = [floor.min(last).max(zero), (floor + one).min(last).max(zero)];
+    (texels, position - floored)
+}
+
+/// 1.5 · 2²³: adding it leaves no bits for a fraction, and the integer in the last bits.
+const ROUND: f32 = 12_582_912.0;
 
 #[inline(always)]
 #[expect(

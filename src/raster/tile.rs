@@ -1,19 +1,22 @@
-//! One tile: its triangles in the order of submission, opaque runs decided and then shaded, blended
-//! runs in between.
+//! One tile: its pieces in the order of submission, opaque runs decided and then shaded, blended runs in
+//! between.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use super::bin::TriangleId;
+use fearless_simd::dispatch;
+
+use super::bin::Entry;
 use super::cover::Candidates;
 use super::frame::{BLOCK_SIDE, NOTHING};
-use super::hidden::{Furthest, PATCHES_A_ROW, SIDE, patch_number};
 use super::items::{Item, Items, NOBODY, each_owner};
-use super::order::Order;
+use super::piece::Piece;
 use super::probe::Point;
-use super::setup::{Chunk, Triangle};
+use super::reach::Cover;
+use super::setup::{Chunk, Triangle, key, vertex_ids};
 use super::view::{PixelBox, View};
-use super::{Batch, Blend, Counters, Key, Samples, Work};
-use crate::math::Vec4;
+use super::{Batch, Blend, Counters, Key, Samples, Skips, Work};
+use crate::math::{Vec4, index_u32};
 
 /// What all tiles of a call share.
 #[derive(Debug)]
@@ -21,7 +24,7 @@ pub(super) struct Scene<'a> {
     pub(super) batches: &'a [Batch<'a>],
     /// The number of the run that each batch belongs to.
     pub(super) runs: Vec<u32>,
-    pub(super) chunks: Vec<Chunk>,
+    pub(super) pieces: Vec<Piece<'a>>,
     pub(super) view: View,
     pub(super) samples: Samples,
     pub(super) counters: Counters,
@@ -29,23 +32,43 @@ pub(super) struct Scene<'a> {
 
 /// Memory that a thread uses again for each block.
 #[derive(Debug)]
-pub(super) struct Scratch {
-    /// A sample of the block: one more than the entry that owns it, or [`NOBODY`].
+pub(super) struct Scratch<'a> {
+    /// A sample of the block: one more than the place among the winners of who owns it, or [`NOBODY`].
     pub(super) owner: Vec<u32>,
+    /// The triangles of the run that won a sample, some of which have lost it again.
+    winners: Vec<Winner>,
+    /// The chunks that they are of.
+    chunks: Vec<Arc<Chunk<'a>>>,
     /// Whether this call has drawn the sample in a run before.
     pub(super) drawn: Vec<bool>,
     pub(super) items: Items,
-    /// How far each patch of the block is seen, while an opaque run is decided.
-    pub(super) furthest: Furthest,
     /// Put back by whoever takes it.
     pub(super) candidates: Option<Box<Candidates>>,
-    order: Order,
-    /// Batches of the opaque run with their entries.
-    groups: Vec<(u32, Range<usize>)>,
-    /// The triangles of a tile.
-    pub(super) ids: Vec<TriangleId>,
+    visits: Vec<Visit>,
+    triangles: Vec<Triangle>,
+    /// What the tile must look at.
+    pub(super) entries: Vec<Entry>,
     /// The work of the block, by batch.
     works: Works,
+    skips: Skips,
+}
+
+/// A triangle that has won a sample.
+#[derive(Debug, Clone, Copy)]
+struct Winner {
+    /// Its chunk's place among those of the tile.
+    chunk: u32,
+    triangle: u32,
+}
+
+/// Entries of one piece that follow one another.
+#[derive(Debug, Clone, Copy)]
+struct Visit {
+    /// The bits of a depth before which none of its samples lies.
+    nearest: u32,
+    piece: u32,
+    /// The places of its entries.
+    entries: [u32; 2],
 }
 
 /// Work by batch; most blocks see few batches.
@@ -77,25 +100,27 @@ impl Works {
     }
 }
 
-impl Scratch {
+impl Scratch<'_> {
     pub(super) fn new(samples: Samples) -> Self {
         let count = (BLOCK_SIDE * BLOCK_SIDE) as usize * samples.count();
         Self {
             owner: vec![NOBODY; count],
             drawn: vec![false; count],
+            winners: Vec::new(),
+            chunks: Vec::new(),
             items: Items::default(),
-            furthest: Furthest::new(),
             candidates: None,
-            order: Order::default(),
-            groups: Vec::new(),
-            ids: Vec::new(),
+            visits: Vec::new(),
+            triangles: Vec::new(),
+            entries: Vec::new(),
             works: Works::default(),
+            skips: Skips::default(),
         }
     }
 
     /// The work of the block by ascending batch; counting starts anew.
-    pub(super) fn take_works(&mut self) -> Vec<(u32, Work)> {
-        self.works.take()
+    pub(super) fn take_works(&mut self) -> (Vec<(u32, Work)>, Skips) {
+        (self.works.take(), std::mem::take(&mut self.skips))
     }
 
     /// Forgets the block before.
@@ -108,109 +133,201 @@ impl Scratch {
 /// A tile in work.
 #[expect(unnameable_types, reason = "seals `Kernel`: nobody else can make one")]
 #[derive(Debug)]
-pub struct Tile<'a> {
-    pub(super) scene: &'a Scene<'a>,
-    pub(super) ids: &'a [TriangleId],
+pub struct Tile<'t, 'a> {
+    pub(super) scene: &'t Scene<'a>,
+    pub(super) entries: &'t [Entry],
     pub(super) pixels: PixelBox,
     /// Column and row of the block's first pixel.
     pub(super) origin: [i32; 2],
-    pub(super) depth: &'a mut [u32],
-    pub(super) colour: &'a mut [Vec4],
-    pub(super) shown: &'a mut [Key],
-    pub(super) scratch: &'a mut Scratch,
+    pub(super) depth: &'t mut [u32],
+    pub(super) colour: &'t mut [Vec4],
+    /// One more than the place of a key, or [`NOTHING`].
+    pub(super) shown: &'t mut [u32],
+    pub(super) keys: &'t mut Vec<Key>,
+    pub(super) scratch: &'t mut Scratch<'a>,
 }
 
-impl<'a> Tile<'a> {
+/// Triangles of a chunk that a tile must look at.
+#[expect(unnameable_types, reason = "seals `Kernel`: nobody else can make one")]
+#[derive(Debug, Clone, Copy)]
+pub struct Choice<'c> {
+    /// None for all of them.
+    entries: Option<&'c [Entry]>,
+}
+
+impl Choice<'_> {
+    /// How many triangles there are.
+    #[inline(always)]
+    pub(super) fn count(self, chunk: &Chunk<'_>) -> usize {
+        self.entries.map_or(chunk.triangles.len(), <[Entry]>::len)
+    }
+
+    /// The number of one of them in the chunk.
+    #[inline(always)]
+    pub(super) fn triangle(self, place: usize) -> usize {
+        match self.entries {
+            None => place,
+            Some(entries) => entries[place].triangle as usize,
+        }
+    }
+}
+
+impl<'t, 'a> Tile<'t, 'a> {
     /// Where the work of a batch is counted.
     #[inline]
     pub(super) fn work(&mut self, batch: u32) -> &mut Work {
         self.scratch.works.of(batch)
     }
 
-    /// Draws all triangles of the tile.
+    /// Draws all that lies on the tile.
     pub(super) fn draw(&mut self) {
-        let mut entry = 0;
-        let mut run = None;
-        while entry < self.ids.len() {
-            let number = self.triangle(entry).0.batch;
-            let same = self.ids[entry..]
-                .iter()
-                .take_while(|id| id.of(&self.scene.chunks).batch == number)
-                .count();
-            let entries = entry..entry + same;
-            entry = entries.end;
-            let batch = &self.scene.batches[number as usize];
-            let its_run = self.scene.runs[number as usize];
-            if run != Some(its_run) {
-                self.finish_run();
-                run = Some(its_run);
-            }
-            match batch.blend {
-                Blend::Opaque => self.scratch.groups.push((number, entries)),
-                Blend::Alpha => batch.kernel.blend(self, entries),
+        let (scene, entries) = (self.scene, self.entries);
+        let batch = |entry: &Entry| scene.pieces[entry.piece as usize].batch;
+        let run = |entry: &Entry| scene.runs[batch(entry) as usize];
+        let mut first = 0;
+        for entries in entries.chunk_by(|a, b| run(a) == run(b)) {
+            let range = first..first + entries.len();
+            first = range.end;
+            match scene.batches[batch(&entries[0]) as usize].blend {
+                Blend::Opaque => self.draw_opaque(range),
+                Blend::Alpha => self.blend(range),
             }
         }
-        self.finish_run();
     }
 
-    /// Decides the triangles of the opaque run, then shades what they have won.
-    fn finish_run(&mut self) {
-        let groups = std::mem::take(&mut self.scratch.groups);
-        if let (Some((_, first)), Some((_, last))) = (groups.first(), groups.last()) {
-            self.cover_run(first.start..last.end);
-            self.list_items(first.start..last.end);
-            for (batch, entries) in &groups {
-                let kernel = self.scene.batches[*batch as usize].kernel;
-                kernel.shade(self, entries.clone());
-            }
+    /// The entries of each piece; those of a piece follow one another.
+    fn list_visits(&mut self, range: Range<usize>) {
+        let (scene, entries) = (self.scene, self.entries);
+        let visits = &mut self.scratch.visits;
+        visits.clear();
+        let mut first = range.start;
+        for together in entries[range].chunk_by(|a, b| a.piece == b.piece) {
+            let number = together[0].piece;
+            let piece = &scene.pieces[number as usize];
+            let nearest = match &piece.sorted {
+                None => piece.reach.nearest,
+                Some(chunk) => together
+                    .iter()
+                    .map(|entry| chunk.triangles[entry.triangle as usize].nearest)
+                    .fold(1.0, f32::min)
+                    .max(0.0),
+            };
+            visits.push(Visit {
+                nearest: nearest.to_bits(),
+                piece: number,
+                entries: [first, first + together.len()].map(index_u32),
+            });
+            first += together.len();
         }
-        self.scratch.groups = groups;
-        self.scratch.groups.clear();
     }
 
-    /// Decides opaque triangles, the nearer first: what is hidden is then found so before its alpha
-    /// is tested. No picture depends on the order.
-    fn cover_run(&mut self, entries: Range<usize>) {
-        self.look_how_far();
-        let mut order = std::mem::take(&mut self.scratch.order);
-        order.sort(entries, |entry| self.triangle(entry).0.depth);
-        let (scene, ids) = (self.scene, self.ids);
-        let batch = |entry: u32| ids[entry as usize].of(&scene.chunks).batch;
-        let same_batch = |a: &u32, b: &u32| batch(*a) == batch(*b);
-        for entries in order.entries.chunk_by(same_batch) {
-            let kernel = scene.batches[batch(entries[0]) as usize].kernel;
-            kernel.cover(self, entries);
-        }
-        self.scratch.order = order;
+    /// The triangles of a visit, and which of them matter.
+    fn look_up(&mut self, visit: &Visit, hides: bool) -> (Arc<Chunk<'a>>, Choice<'t>) {
+        let piece = &self.scene.pieces[visit.piece as usize];
+        let cover = Cover {
+            pixels: self.pixels,
+            origin: self.origin,
+            depth: self.depth,
+        };
+        let cover = (hides && self.scene.samples == Samples::One).then_some(&cover);
+        let triangles = &mut self.scratch.triangles;
+        let chunk = piece.chunk(&self.scene.view, self.scene.batches, cover, triangles);
+        let [first, end] = visit.entries.map(|place| place as usize);
+        let entries = &self.entries[first..end];
+        let entries = piece.sorted.is_some().then_some(entries);
+        (chunk, Choice { entries })
     }
 
-    fn look_how_far(&mut self) {
-        let [from, to] = [self.pixels.first, self.pixels.last];
-        let mut patches = 0_u64;
-        for y in (from[1]..=to[1]).step_by(SIDE) {
-            for x in (from[0]..=to[0]).step_by(SIDE) {
-                patches |= 1 << patch_number(self.index(x, y));
+    /// Decides the opaque pieces of a run, the nearer first, then shades what they have won. No picture
+    /// depends on the order.
+    fn draw_opaque(&mut self, range: Range<usize>) {
+        self.list_visits(range);
+        let mut visits = std::mem::take(&mut self.scratch.visits);
+        visits.sort_unstable_by_key(|visit| (visit.nearest, visit.piece));
+        let exact = self.scene.counters == Counters::Exact;
+        for visit in &visits {
+            let piece = &self.scene.pieces[visit.piece as usize];
+            let whole = piece.sorted.is_none();
+            let on_tile = self.pixels.meet(piece.reach.pixels);
+            let hidden =
+                on_tile.is_none_or(|pixels| whole && !exact && self.hides(pixels, visit.nearest));
+            self.scratch.skips.visits += 1;
+            if hidden {
+                self.scratch.skips.hidden += 1;
+            } else {
+                let (chunk, choice) = self.look_up(visit, !exact);
+                let kernel = self.scene.batches[piece.batch as usize].kernel;
+                let winners = self.scratch.winners.len();
+                kernel.cover(self, &chunk, choice);
+                if self.scratch.winners.len() > winners {
+                    self.scratch.chunks.push(chunk);
+                }
+            }
+            if whole {
+                piece.done();
             }
         }
-        let furthest = &mut self.scratch.furthest;
+        self.scratch.visits = visits;
+        self.shade_winners();
+    }
+
+    /// Shades what the winners own, batch by batch.
+    fn shade_winners(&mut self) {
+        self.list_items();
+        let winners = std::mem::take(&mut self.scratch.winners);
+        let chunks = std::mem::take(&mut self.scratch.chunks);
+        let mut first = 0;
+        for together in winners.chunk_by(|a, b| a.chunk == b.chunk) {
+            let chunk = &chunks[together[0].chunk as usize];
+            let kernel = self.scene.batches[chunk.batch as usize].kernel;
+            let range = first..first + together.len();
+            first = range.end;
+            kernel.shade(self, chunk, &Winners(together), range);
+        }
+        self.scratch.winners = winners;
+        self.scratch.winners.clear();
+        self.scratch.chunks = chunks;
+        self.scratch.chunks.clear();
+    }
+
+    fn blend(&mut self, range: Range<usize>) {
+        self.list_visits(range);
+        let visits = std::mem::take(&mut self.scratch.visits);
+        for visit in &visits {
+            let piece = &self.scene.pieces[visit.piece as usize];
+            let (chunk, choice) = self.look_up(visit, false);
+            let kernel = self.scene.batches[piece.batch as usize].kernel;
+            kernel.blend(self, &chunk, choice);
+            if piece.sorted.is_none() {
+                piece.done();
+            }
+        }
+        self.scratch.visits = visits;
+    }
+
+    /// Enters a triangle of the chunk in work among the winners; answers what its samples are marked
+    /// with.
+    #[inline]
+    pub(super) fn enter(&mut self, triangle: usize) -> u32 {
+        self.scratch.winners.push(Winner {
+            chunk: index_u32(self.scratch.chunks.len()),
+            triangle: index_u32(triangle),
+        });
+        index_u32(self.scratch.winners.len())
+    }
+
+    fn list_items(&mut self) {
         match self.scene.samples {
-            Samples::One => furthest.renew::<1>(patches, self.depth),
-            Samples::Four => furthest.renew::<4>(patches, self.depth),
-        }
-    }
-
-    fn list_items(&mut self, entries: Range<usize>) {
-        match self.scene.samples {
-            Samples::One => self.sort_items::<1>(entries),
-            Samples::Four => self.sort_items::<4>(entries),
+            Samples::One => self.sort_items::<1>(),
+            Samples::Four => self.sort_items::<4>(),
         }
     }
 
     /// Sorts pixels by the triangles that own their samples, by counting.
-    fn sort_items<const SAMPLES: usize>(&mut self, entries: Range<usize>) {
+    fn sort_items<const SAMPLES: usize>(&mut self) {
         let pixels = self.pixels;
         let mut items = std::mem::take(&mut self.scratch.items);
-        items.begin(entries);
+        items.begin(self.scratch.winners.len());
         for y in pixels.first[1]..=pixels.last[1] {
             let row = self.index(pixels.first[0], y)..self.index(pixels.last[0], y) + 1;
             for owners in self.owners::<SAMPLES>(row) {
@@ -237,90 +354,90 @@ impl<'a> Tile<'a> {
         self.scratch.owner[range].as_chunks::<SAMPLES>().0.iter()
     }
 
-    /// The triangle of an entry with its chunk and batch.
-    #[inline]
-    pub(super) fn triangle(&self, entry: usize) -> (&'a Triangle, &'a Chunk, &'a Batch<'a>) {
-        let scene = self.scene;
-        let id = self.ids[entry];
-        let triangle = id.of(&scene.chunks);
-        let batch = &scene.batches[triangle.batch as usize];
-        (triangle, &scene.chunks[id.chunk()], batch)
-    }
-
-    /// The pixels of the tile that a triangle may cover.
-    #[inline]
-    pub(super) fn pixels_of(&self, triangle: &Triangle) -> Option<PixelBox> {
-        let [ours, theirs] = [self.pixels, self.scene.view.pixels_of(triangle)?];
-        let both = PixelBox {
-            first: [
-                ours.first[0].max(theirs.first[0]),
-                ours.first[1].max(theirs.first[1]),
-            ],
-            last: [
-                ours.last[0].min(theirs.last[0]),
-                ours.last[1].min(theirs.last[1]),
-            ],
-        };
-        let some = both.first[0] <= both.last[0] && both.first[1] <= both.last[1];
-        some.then_some(both)
-    }
-
     /// A pixel's place in its block.
-    #[inline]
+    #[inline(always)]
     pub(super) fn index(&self, x: i32, y: i32) -> usize {
         let [column, row] = [x - self.origin[0], y - self.origin[1]].map(i32::unsigned_abs);
         (row * BLOCK_SIDE + column) as usize
     }
 
-    /// Whether all that is there in some pixels, and in what is left of their patches, is nearer.
-    #[inline]
-    pub(super) fn hides(&self, pixels: PixelBox, nearest: f32) -> bool {
-        // Below 0 the bits would not order as depths do.
-        let nearest = nearest.max(0.0).to_bits();
-        let [first, last] =
-            [pixels.first, pixels.last].map(|[x, y]| patch_number(self.index(x, y)));
-        let columns = last % PATCHES_A_ROW - first % PATCHES_A_ROW;
-        let mut row = first;
-        while row <= last {
-            for patch in row..=row + columns {
-                if nearest <= self.scratch.furthest.of(patch) {
-                    return false;
-                }
+    /// Whether all that is there in some pixels is nearer than a depth, of which the bits are told.
+    #[inline(always)]
+    pub(super) fn hides(&self, pixels: PixelBox, nearest: u32) -> bool {
+        let samples = self.scene.samples.count();
+        for y in pixels.first[1]..=pixels.last[1] {
+            let first = self.index(pixels.first[0], y) * samples;
+            let end = (self.index(pixels.last[0], y) + 1) * samples;
+            let mut farthest = 0;
+            for &depth in &self.depth[first..end] {
+                farthest = if depth > farthest { depth } else { farthest };
             }
-            row += PATCHES_A_ROW;
+            if farthest >= nearest {
+                return false;
+            }
         }
         true
     }
 
     /// The column and row of a pixel at a place in the block.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pixel_at(&self, index: usize) -> [i32; 2] {
         let side = BLOCK_SIDE as usize;
         let within = [index % side, index / side];
         [0, 1].map(|axis| self.origin[axis] + i32::try_from(within[axis]).unwrap_or(0))
     }
 
-    /// Whether an entry beats, by its key, what shows at a sample at the same depth.
+    /// Whether a triangle beats, by its key, what shows at a sample at the same depth.
     #[cold]
-    pub(super) fn wins_tie(&self, entry: usize, index: usize) -> bool {
-        let key = |entry: usize| {
-            let (triangle, _, batch) = self.triangle(entry);
-            super::setup::key(batch, triangle)
-        };
-        match self.scratch.owner[index] {
-            NOBODY => self.shown[index] != NOTHING && key(entry) < self.shown[index],
+    #[inline(never)]
+    pub(super) fn wins_tie(&self, chunk: &Chunk<'_>, triangle: usize, sample: usize) -> bool {
+        let batches = self.scene.batches;
+        let batch = |chunk: &Chunk<'_>| &batches[chunk.batch as usize];
+        let ours = &chunk.triangles[triangle];
+        let our_key = key(batch(chunk), ours);
+        match self.scratch.owner[sample] {
+            NOBODY => match self.shown[sample] {
+                NOTHING => false,
+                shown => our_key < self.keys[shown as usize - 1],
+            },
             owner => {
-                let owner = owner as usize - 1;
-                let ids = |entry: usize| {
-                    let (triangle, _, batch) = self.triangle(entry);
-                    super::setup::vertex_ids(batch, triangle)
-                };
-                let order = key(entry).cmp(&key(owner));
-                let order = order.then_with(|| ids(entry).cmp(ids(owner)));
-                // Entries are in the order of submission, whatever order they are decided in.
-                order.then(entry.cmp(&owner)).is_lt()
+                let winner = self.scratch.winners[owner as usize - 1];
+                // The chunk in work joins the others once all its triangles are decided.
+                let theirs = self.scratch.chunks.get(winner.chunk as usize);
+                let their_chunk = theirs.map_or(chunk, |chunk| &**chunk);
+                let their = &their_chunk.triangles[winner.triangle as usize];
+                let order = our_key.cmp(&key(batch(their_chunk), their));
+                let order = order.then_with(|| {
+                    vertex_ids(batch(chunk), chunk, ours).cmp(vertex_ids(
+                        batch(their_chunk),
+                        their_chunk,
+                        their,
+                    ))
+                });
+                order
+                    .then_with(|| {
+                        let place = |chunk: &Chunk<'_>, triangle: &Triangle| {
+                            let source = batch(chunk).geometry;
+                            let primitive = triangle.primitive as usize;
+                            (chunk.batch, source.place(chunk.part as usize, primitive))
+                        };
+                        place(chunk, ours).cmp(&place(their_chunk, their))
+                    })
+                    .is_lt()
             }
         }
+    }
+}
+
+/// Triangles of one chunk that won samples.
+#[expect(unnameable_types, reason = "seals `Kernel`: nobody else can make one")]
+#[derive(Debug)]
+pub struct Winners<'w>(&'w [Winner]);
+
+impl Winners<'_> {
+    /// The numbers of the triangles.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().map(|winner| winner.triangle as usize)
     }
 }
 
@@ -328,34 +445,51 @@ impl<'a> Tile<'a> {
 #[expect(unnameable_types, reason = "seals `Kernel`: nobody else can call it")]
 pub trait Passes {
     /// Opaque triangles against depth and key.
-    fn cover(&self, tile: &mut Tile<'_>, entries: &[u32]);
-    /// Colour of what won.
-    fn shade(&self, tile: &mut Tile<'_>, entries: Range<usize>);
+    fn cover(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>);
+    /// Colour of what won: the triangles, and their places among the winners.
+    fn shade(
+        &self,
+        tile: &mut Tile<'_, '_>,
+        chunk: &Chunk<'_>,
+        winners: &Winners<'_>,
+        places: Range<usize>,
+    );
     /// Blended triangles in order.
-    fn blend(&self, tile: &mut Tile<'_>, entries: Range<usize>);
+    fn blend(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>);
     /// Whether a fragment passes the alpha test, and its colour.
     fn probe(&self, point: &Point<'_>) -> (bool, Vec4);
 }
 
 impl<F: super::Fragment> Passes for F {
-    fn cover(&self, tile: &mut Tile<'_>, entries: &[u32]) {
-        match tile.scene.samples {
-            Samples::One => super::cover::cover::<F, 1>(self, tile, entries),
-            Samples::Four => super::cover::cover::<F, 4>(self, tile, entries),
+    fn cover(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>) {
+        let (level, samples) = (tile.scene.view.level, tile.scene.samples);
+        match samples {
+            Samples::One => dispatch!(level, simd => {
+                super::cover::cover::<_, F, 1>(simd, self, tile, chunk, choice);
+            }),
+            Samples::Four => dispatch!(level, simd => {
+                super::cover::cover::<_, F, 4>(simd, self, tile, chunk, choice);
+            }),
         }
     }
 
-    fn shade(&self, tile: &mut Tile<'_>, entries: Range<usize>) {
+    fn shade(
+        &self,
+        tile: &mut Tile<'_, '_>,
+        chunk: &Chunk<'_>,
+        winners: &Winners<'_>,
+        places: Range<usize>,
+    ) {
         match tile.scene.samples {
-            Samples::One => super::shade::shade::<F, 1>(self, tile, entries),
-            Samples::Four => super::shade::shade::<F, 4>(self, tile, entries),
+            Samples::One => super::shade::shade::<F, 1>(self, tile, chunk, winners, places),
+            Samples::Four => super::shade::shade::<F, 4>(self, tile, chunk, winners, places),
         }
     }
 
-    fn blend(&self, tile: &mut Tile<'_>, entries: Range<usize>) {
+    fn blend(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>) {
         match tile.scene.samples {
-            Samples::One => super::shade::blend::<F, 1>(self, tile, entries),
-            Samples::Four => super::shade::blend::<F, 4>(self, tile, entries),
+            Samples::One => super::shade::blend::<F, 1>(self, tile, chunk, choice),
+            Samples::Four => super::shade::blend::<F, 4>(self, tile, chunk, choice),
         }
     }
 

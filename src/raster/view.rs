@@ -1,8 +1,9 @@
 //! From clip space to sub-pixels: where things lie on the target, and which pixels are theirs.
 
+use fearless_simd::Level;
+
 use super::Samples;
 use super::clip::Volume;
-use super::setup::Triangle;
 
 /// Sub-pixels a pixel, along each axis.
 pub(super) const SUBPIXELS: i32 = 256;
@@ -17,6 +18,8 @@ pub(super) struct View {
     pub(super) volume: Volume,
     /// The first and last sub-pixel of a pixel that has a sample, along each axis.
     samples: [i32; 2],
+    /// Which instructions may be used.
+    pub(super) level: Level,
 }
 
 impl View {
@@ -35,23 +38,37 @@ impl View {
             },
             half: [half(width), half(height)],
             volume: Volume::new(width, height),
+            level: Level::new(),
             samples: [across.clone().min().unwrap_or(0), across.max().unwrap_or(0)],
         }
     }
 
-    /// The same target, of which nothing is drawn but some pixels.
-    pub(super) fn within(mut self, pixels: PixelBox) -> Self {
-        for axis in 0..2 {
-            let shown = &mut self.shown;
-            shown.first[axis] = shown.first[axis].max(pixels.first[axis]);
-            shown.last[axis] = shown.last[axis].min(pixels.last[axis]);
-        }
-        self
+    /// The same with other instructions.
+    pub(super) fn with(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
+    /// All pixels.
+    #[inline(always)]
+    pub(super) fn shown(&self) -> PixelBox {
+        self.shown
+    }
+
+    /// The first and last sub-pixel of a pixel that has a sample.
+    #[inline(always)]
+    pub(super) fn samples(&self) -> [i32; 2] {
+        self.samples
+    }
+
+    /// Half the target in sub-pixels.
+    #[inline(always)]
+    pub(super) fn half(&self) -> [f64; 2] {
+        self.half
     }
 
     /// The pixels with a sample within a box of sub-pixels, its right and lower rim excluded, since
     /// no triangle covers a sample there.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pixels(&self, x: [i32; 2], y: [i32; 2]) -> Option<PixelBox> {
         let [least, greatest] = self.samples;
         let shown = self.shown;
@@ -65,13 +82,39 @@ impl View {
         some.then_some(pixels)
     }
 
-    /// The pixels that a triangle may cover.
-    #[inline]
-    pub(super) fn pixels_of(&self, triangle: &Triangle) -> Option<PixelBox> {
-        self.pixels(range_of(triangle.x), range_of(triangle.y))
+    /// Whether a triangle of positive area misses the centres of its few pixels; not looked at where there
+    /// are many, or more samples.
+    #[inline(always)]
+    pub(super) fn is_missed(&self, x: [i32; 3], y: [i32; 3], pixels: PixelBox) -> bool {
+        const FEW: i32 = 4;
+        let [columns, rows] = [
+            pixels.last[0] - pixels.first[0] + 1,
+            pixels.last[1] - pixels.first[1] + 1,
+        ];
+        // With samples on either side of the centre one of them is not the only one.
+        if columns * rows > FEW || self.samples[0] != self.samples[1] {
+            return false;
+        }
+        for row in pixels.first[1]..=pixels.last[1] {
+            for column in pixels.first[0]..=pixels.last[0] {
+                let px = i64::from(column * SUBPIXELS + SUBPIXELS / 2);
+                let py = i64::from(row * SUBPIXELS + SUBPIXELS / 2);
+                let mut outside = 0;
+                for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+                    let (dx, dy) = (i64::from(x[to] - x[from]), i64::from(y[to] - y[from]));
+                    let right_of = i64::from(dy < 0 || (dy == 0 && dx > 0)) - 1;
+                    outside |=
+                        dx * (py - i64::from(y[from])) - dy * (px - i64::from(x[from])) + right_of;
+                }
+                if outside >= 0 {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn project(&self, position: [f64; 4]) -> Projected {
         let [x, y] = self.subpixels(position);
         Projected {
@@ -82,7 +125,7 @@ impl View {
     }
 
     /// Where a position lies, in sub-pixels to the right and downwards.
-    #[inline]
+    #[inline(always)]
     pub(super) fn subpixels(&self, position: [f64; 4]) -> [f64; 2] {
         let [x, y, _, w] = position;
         let inverse_w = 1.0 / w;
@@ -100,6 +143,25 @@ pub(super) struct PixelBox {
     pub(super) last: [i32; 2],
 }
 
+impl PixelBox {
+    /// The pixels of both.
+    #[inline(always)]
+    pub(super) fn meet(self, other: Self) -> Option<Self> {
+        let both = Self {
+            first: [
+                self.first[0].max(other.first[0]),
+                self.first[1].max(other.first[1]),
+            ],
+            last: [
+                self.last[0].min(other.last[0]),
+                self.last[1].min(other.last[1]),
+            ],
+        };
+        let some = both.first[0] <= both.last[0] && both.first[1] <= both.last[1];
+        some.then_some(both)
+    }
+}
+
 /// A vertex on the target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Projected {
@@ -108,23 +170,25 @@ pub(super) struct Projected {
     pub(super) depth: f32,
 }
 
+/// The furthest sub-pixel from the first.
+pub(super) const FURTHEST: f64 = 8_388_608.0;
+/// 1.5 · 2⁵²: adding it leaves no bits for a fraction; the addition rounds to nearest even.
+pub(super) const ROUND: f64 = 6_755_399_441_055_744.0;
+
 /// The nearest sub-pixel, halves to the even one, at most 2²³ from the first.
-#[inline]
+#[inline(always)]
 #[expect(
     clippy::cast_possible_truncation,
     reason = "sub-pixels are kept within 2^23, and the sum has rounded already"
 )]
 pub(super) fn snap(subpixels: f64) -> i32 {
-    // Adding 1.5 · 2⁵² leaves no bits for a fraction; the addition rounds to nearest even.
-    const FURTHEST: f64 = 8_388_608.0;
-    const ROUND: f64 = 6_755_399_441_055_744.0;
     // Within the guard band already, but for vertices that cutting absurd coordinates made.
     let subpixels = subpixels.clamp(-FURTHEST, FURTHEST);
     ((subpixels + ROUND) - ROUND) as i32
 }
 
 /// A depth within [0, 1]; −0 and no number become 0.
-#[inline]
+#[inline(always)]
 #[expect(
     clippy::cast_possible_truncation,
     reason = "depths are f32, rounded once"
@@ -134,14 +198,14 @@ fn unit_depth(depth: f64) -> f32 {
 }
 
 /// A depth within [0, 1] whose bits order as its value: −0 and no number become 0.
-#[inline]
+#[inline(always)]
 pub(super) fn clamp_depth(depth: f32) -> f32 {
     let depth = if depth > 0.0 { depth } else { 0.0 };
     if depth < 1.0 { depth } else { 1.0 }
 }
 
 /// One over `w`, as attributes use it.
-#[inline]
+#[inline(always)]
 #[expect(
     clippy::cast_possible_truncation,
     reason = "attributes are f32, rounded once"
@@ -150,7 +214,7 @@ pub(super) fn inverse_w(w: f64) -> f32 {
     (1.0 / w) as f32
 }
 
-#[inline]
+#[inline(always)]
 pub(super) fn range_of(values: [i32; 3]) -> [i32; 2] {
     let [a, b, c] = values;
     [a.min(b).min(c), a.max(b).max(c)]

@@ -1,11 +1,11 @@
 //! The program that draws trunks: textured triangles, lit by interpolated normals.
 
 use crate::gpu::{
-    Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
-    VertexCall, Wrap,
+    Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, Program, Topology,
+    Transform, VertexCall, Wrap,
 };
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
-use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View};
+use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
 
 /// Bytes of one vertex: position, normal (3 × `f32` each), texture coordinate (2 × `f32`).
 const VERTEX_BYTES: u32 = 32;
@@ -59,6 +59,10 @@ impl Program for MeshProgram {
         geometry.vertex_ids = unique;
     }
 
+    fn hulls(&self) -> Option<&dyn Hulls> {
+        Some(self)
+    }
+
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
         let view = View::read(bindings.storage(VIEW_SLOT as usize));
         let [r, g, b, alpha_cutoff] = bindings.storage(SURFACE_SLOT as usize).f32s(0);
@@ -68,6 +72,29 @@ impl Program for MeshProgram {
             alpha_cutoff,
             view,
         })
+    }
+}
+
+impl Hulls for MeshProgram {
+    fn slots(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    fn bounds(&self, corners: &[u32], bindings: &Bindings<'_>) -> [Vec3; 2] {
+        let vertices = bindings.vertices();
+        let at =
+            |&corner: &u32| Vec3::from_array(vertices.f32s((VERTEX_BYTES / 4 * corner) as usize));
+        let around = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        corners
+            .iter()
+            .map(at)
+            .fold(around, |[least, greatest], point| {
+                [least.min(point), greatest.max(point)]
+            })
+    }
+
+    fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform {
+        clip_from_plant(bindings, instance)
     }
 }
 

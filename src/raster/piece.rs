@@ -1,0 +1,112 @@
+//! The parts of all batches: where each may show, and its triangles as soon as a tile asks for them.
+//!
+//! ```text
+//!  parts ─reach─▶ pieces ─bin─▶ tiles ─the nearest first─▶ hidden? ─no─▶ set up ─▶ cover
+//! ```
+//!
+//! A piece that is known to show on a few tiles alone is set up by the first of them to which it is not
+//! hidden, and forgotten after the last. Others are set up at once and their triangles sorted into tiles,
+//! as long as there is room for them.
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::bin::Grid;
+use super::reach::{Cover, Reach};
+use super::setup::{Chunk, Triangle, set_up};
+use super::view::View;
+use super::{Batch, Blend};
+use crate::math::index_u32;
+
+/// A part of a batch.
+#[derive(Debug)]
+pub(super) struct Piece<'a> {
+    pub(super) batch: u32,
+    part: u32,
+    pub(super) reach: Reach,
+    /// Its triangles, sorted into tiles one by one.
+    pub(super) sorted: Option<Arc<Chunk<'a>>>,
+    /// Its triangles while tiles want them that it may show on.
+    made: Mutex<Option<Arc<Chunk<'a>>>>,
+    /// How many of these are still to come.
+    pub(super) tiles: AtomicU32,
+}
+
+/// A piece that may show on more tiles is sorted triangle by triangle.
+const FEW_TILES: usize = 16;
+
+/// The pieces of all batches that may show, in the order of submission, and how many parts there are;
+/// pieces are set up at once until they take so many bytes.
+pub(super) fn pieces<'a>(
+    view: &View,
+    grid: Grid,
+    batches: &[Batch<'a>],
+    most_bytes: u64,
+) -> (Vec<Piece<'a>>, u64) {
+    let parts = batches.iter().zip(0_u32..).flat_map(|(batch, number)| {
+        let parts = batch.geometry.parts(batch.topology);
+        (0..index_u32(parts)).map(move |part| [number, part])
+    });
+    let parts: Vec<[u32; 2]> = parts.collect();
+    let taken = AtomicU64::new(0);
+    let found = parts.par_iter().with_min_len(64).map_init(
+        Vec::new,
+        |scratch, &[number, part]| -> Option<Piece<'a>> {
+            let batch = &batches[number as usize];
+            let hull = batch.geometry.hull(part as usize);
+            let piece = |reach, sorted| Piece {
+                batch: number,
+                part,
+                reach,
+                sorted,
+                made: Mutex::new(None),
+                tiles: AtomicU32::new(0),
+            };
+            if let Some(hull) = hull {
+                let reach = view.reach(&hull, batch.topology)?;
+                let few = batch.blend == Blend::Opaque && grid.tiles_of(reach.pixels) <= FEW_TILES;
+                if few {
+                    return Some(piece(reach, None));
+                }
+            }
+            let chunk = set_up(view, batch, [number, part], None, scratch);
+            let reach = chunk.reach()?;
+            let bytes = chunk.bytes();
+            let fits = taken.fetch_add(bytes, Ordering::Relaxed) + bytes <= most_bytes;
+            Some(piece(reach, fits.then(|| Arc::new(chunk))))
+        },
+    );
+    (found.flatten_iter().collect(), parts.len() as u64)
+}
+
+impl<'a> Piece<'a> {
+    /// Its triangles, made where nobody has asked for them before: then without those that `cover` hides.
+    pub(super) fn chunk(
+        &self,
+        view: &View,
+        batches: &[Batch<'a>],
+        cover: Option<&Cover<'_>>,
+        scratch: &mut Vec<Triangle>,
+    ) -> Arc<Chunk<'a>> {
+        if let Some(chunk) = &self.sorted {
+            return Arc::clone(chunk);
+        }
+        // Nothing panics while it is held but what ends the pass.
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let chunk = made.get_or_insert_with(|| {
+            let batch = &batches[self.batch as usize];
+            let numbers = [self.batch, self.part];
+            Arc::new(set_up(view, batch, numbers, cover, scratch))
+        });
+        Arc::clone(chunk)
+    }
+
+    /// A tile has done with it; the last one forgets its triangles.
+    pub(super) fn done(&self) {
+        if self.tiles.fetch_sub(1, Ordering::Relaxed) == 1 {
+            *self.made.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        }
+    }
+}
