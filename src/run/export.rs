@@ -185,9 +185,11 @@ fn leaf_meshes<'a>(
     groups.filter_map(move |(group, texture_corners)| {
         let range = first..first + index_u32(group.positions.len());
         first = range.end;
-        let corners = crown.sequence().corners();
-        let of_group = leaves.iter().map(|&leaf| corners[leaf as usize]);
-        let of_group = of_group.filter(|corners| range.contains(&corners[0]));
+        let sequence = crown.sequence();
+        let of_group = leaves.iter().map(|&leaf| sequence.corners()[leaf as usize]);
+        // Vertices that a collapse adds belong where the leaf does that is left of it.
+        let of_group = of_group
+            .filter(|corners| range.contains(&(4 * sequence.original_of_vertex(corners[0]))));
         let mut mesh = blank(&group.material);
         for corners in of_group {
             let quad = corners.map(|corner| positions[corner as usize]);
