@@ -92,4 +92,12 @@ impl<S: Clone + fmt::Debug> Resident<S> for Meddled<S> {
         self.inner.draw(&mut sound);
         steps.extend((self.meddling.drawn)(&self.shown, sound));
     }
+
+    fn reveal(&self, commands: &mut Vec<Command>) {
+        self.inner.reveal(commands);
+    }
+
+    fn draw_revealed(&self, steps: &mut Vec<Step>) {
+        self.inner.draw_revealed(steps);
+    }
 }
