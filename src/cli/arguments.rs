@@ -172,7 +172,7 @@ pub(super) struct SweepOptions {
     /// Levels to look at beyond full detail, evenly chosen from the steps
     #[arg(long, value_name = "N", requires = "quality", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) quality_steps: u32,
-    /// Bytes alone, of each plant of the scene by itself, on the papers' AGP 8x and on PCIe 5, or on
+    /// Bytes alone, of each plant of the scene by itself, on the papers' agp8x and on pcie5x16, or on
     /// that of --link; draws nothing, so it is quick
     #[arg(long, conflicts_with_all = ["quality", "size", "samples", "frames", "counters", "shard"])]
     pub(super) bytes: bool,

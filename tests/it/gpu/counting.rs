@@ -263,3 +263,13 @@ fn host_vertices_are_fetched_again_by_every_draw() {
         .collect();
     assert_eq!(pulled, [(Stream::Fetch, "host", VERTEX_BYTES); 2]);
 }
+
+#[test]
+fn exact_counters_are_of_pictures() {
+    let mut bench = Bench::new(0);
+    bench.device.take_ledger();
+    let pass = bench.bound([]);
+    let refused = bench.device.queue().tally(&[pass]);
+    assert!(matches!(refused, Err(GpuError::Unsupported { .. })));
+    assert_eq!(bench.device.take_ledger().command_bytes, 0);
+}
