@@ -233,7 +233,30 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
         } else if winning == 0 {
             return;
         }
-        if !self.tests_alpha {
+        let tested = if self.exact { covered } else { winning };
+        if !self.tests_alpha || tested.count_ones() >= MANY_LANES {
+            if self.tests_alpha {
+                let [x, y] = self.tile.pixel_at(index);
+                let (x, y) = (x.unsigned_abs(), y.unsigned_abs());
+                let positions = [
+                    [x, y],
+                    [x + 1, y],
+                    [x + 2, y],
+                    [x + 3, y],
+                    [x + 4, y],
+                    [x + 5, y],
+                    [x + 6, y],
+                    [x + 7, y],
+                ];
+                let kept = self.keeps(simd, centre, positions, depth, tested);
+                winning &= kept;
+                if self.exact {
+                    let tested = u64::from(tested.count_ones());
+                    let work = self.tile.work(self.chunk.batch);
+                    work.texels += tested * self.kernel.texels_tested();
+                    work.alpha_killed += tested - u64::from(kept.count_ones());
+                }
+            }
             if winning != 0 {
                 let mark = self.mark();
                 let mask = mask32x8::from_bitmask(simd, winning);
@@ -253,7 +276,7 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
         bits.store_slice(&mut depths);
         centre[0].store_slice(&mut centres[0]);
         centre[1].store_slice(&mut centres[1]);
-        let mut rest = if self.exact { covered } else { winning };
+        let mut rest = tested;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % LANES;
             rest &= rest - 1;
@@ -343,13 +366,6 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
     /// Tests at most 8 candidates.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, places: Range<usize>) {
-        let (triangle, chunk) = (self.triangle, self.chunk);
-        if self.attributes.is_none() {
-            self.attributes = Some(Attributes::of::<F>(triangle, &self.edges, chunk));
-        }
-        let Some(attributes) = &self.attributes else {
-            return;
-        };
         let (first, count) = (places.start, places.len());
         let candidates = &*self.candidates;
         let centre: [f32x8<S>; 2] = [
@@ -361,17 +377,13 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
             let [x, y] = self.tile.pixel_at(candidates.index[first + lane] as usize);
             *position = [x.unsigned_abs(), y.unsigned_abs()];
         }
-        let mut depths = [0.0; LANES];
-        DepthLanes::of(simd, triangle)
-            .at(simd, centre)
-            .store_slice(&mut depths);
-        let pixels = attributes.lanes::<S, F>(simd, centre, positions, depths);
+        let depths = DepthLanes::of(simd, self.triangle).at(simd, centre);
         let wanted = (1_u64 << count) - 1;
-        let kept = self.kernel.keeps_lanes(simd, &pixels, wanted) & wanted;
+        let kept = self.keeps(simd, centre, positions, depths, wanted);
         if self.exact {
             for lane in 0..count {
                 let covered = self.candidates.covered[first + lane].count_ones();
-                let work = self.tile.work(chunk.batch);
+                let work = self.tile.work(self.chunk.batch);
                 work.texels += self.kernel.texels_tested();
                 work.alpha_killed += u64::from(covered) * (1 - (kept >> lane & 1));
             }
@@ -382,6 +394,29 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
             rest &= rest - 1;
             self.win(first + lane);
         }
+    }
+
+    /// A bit for each of the wanted pixels whose alpha is there.
+    #[inline(always)]
+    fn keeps<S: Simd>(
+        &mut self,
+        simd: S,
+        centre: [f32x8<S>; 2],
+        positions: [[u32; 2]; LANES],
+        depth: f32x8<S>,
+        wanted: u64,
+    ) -> u64 {
+        if self.attributes.is_none() {
+            let attributes = Attributes::of::<F>(self.triangle, &self.edges, self.chunk);
+            self.attributes = Some(attributes);
+        }
+        let Some(attributes) = &self.attributes else {
+            return 0;
+        };
+        let mut depths = [0.0; LANES];
+        depth.store_slice(&mut depths);
+        let pixels = attributes.lanes::<S, F>(simd, centre, positions, depths);
+        self.kernel.keeps_lanes(simd, &pixels, wanted) & wanted
     }
 
     #[inline(always)]
@@ -415,6 +450,9 @@ fn win<const SAMPLES: usize>(
         }
     }
 }
+
+/// So many lanes of a row are tested where they are found, fewer with others of the triangle.
+const MANY_LANES: u32 = 4;
 
 /// As many as [`LANES`].
 const LANE_COUNT: i32 = 8;

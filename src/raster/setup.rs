@@ -9,7 +9,7 @@ use super::project::{Projection, TOGETHER};
 use super::reach::{Cover, Reach};
 use super::source::{PART, Part};
 use super::view::{PixelBox, Projected, SUBPIXELS, View, inverse_w, range_of, snap};
-use super::{Batch, Geometry, Key, MAX_FLATS, MAX_VARYINGS, Topology};
+use super::{Batch, Blend, Geometry, Key, MAX_FLATS, MAX_VARYINGS, Topology};
 use crate::math::{Vec4, index_u32};
 
 /// The most triangles of a part, of which each primitive has two, each cut into some.
@@ -136,6 +136,9 @@ pub(super) fn set_up<'a>(
         cut,
         ..
     } = builder;
+    if batch.blend == Blend::Opaque && are_large(&made) {
+        made.sort_by(|a, b| a.nearest.total_cmp(&b.nearest));
+    }
     let triangles = made.clone();
     made.clear();
     *scratch = made;
@@ -146,6 +149,16 @@ pub(super) fn set_up<'a>(
         triangles,
         cut,
     }
+}
+
+/// Whether triangles are so large that those in front hide many pixels of those behind them.
+fn are_large(triangles: &[Triangle]) -> bool {
+    const PIXELS: i64 = 64;
+    let area = |triangle: &Triangle| {
+        let PixelBox { first, last } = triangle.pixels;
+        i64::from(last[0] - first[0] + 1) * i64::from(last[1] - first[1] + 1)
+    };
+    triangles.iter().map(area).sum::<i64>() > PIXELS * triangles.len() as i64
 }
 
 fn check(batch: &Batch<'_>, geometry: &Geometry) {
