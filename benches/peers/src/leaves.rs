@@ -1,9 +1,11 @@
 //! The program that draws leaves and impostors: quads of one normal, lit as the peers light them.
 
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8};
 use spinney::gpu::{
-    Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
-    VertexCall, Words, Wrap,
+    Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, PixelLanes, Program,
+    Topology, Transform, VertexCall, Words, Wrap,
 };
+use spinney::math::lanes::{LANES, Vec3Lanes};
 use spinney::math::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::light::{AMBIENT, DIFFUSE, towards_light};
@@ -121,31 +123,24 @@ impl Program for LeafQuads {
         if textured {
             geometry.varyings.reserve(8 * quads);
         }
-        for corners in call.corners.as_chunks::<4>().0 {
-            let world = corners.map(|corner| {
-                place.transform_point3(Vec3::from_array(vertices.f32s(3 * corner as usize)))
-            });
-            let normal = (world[2] - world[0]).cross(world[3] - world[1]);
-            let toward = normal.normalize_or_zero().dot(to_light);
-            let first = u32::try_from(geometry.clip.len()).expect("a call has few quads");
-            for (role, (corner, point)) in (0..).zip(corners.iter().zip(world)) {
-                geometry.clip.push(clip_from_world * point.extend(1.0));
-                geometry.vertex_ids.push(*corner);
-                geometry.corners.push(first + role);
-                if textured {
-                    let uv = surface.corners[role as usize];
-                    geometry.varyings.extend([uv.x, uv.y]);
-                }
+        let stage = Stage {
+            program: *self,
+            place,
+            clip_from_world,
+            to_light,
+            surface,
+            vertices,
+            tiles,
+        };
+        dispatch!(call.instructions.level(), simd => {
+            for quads in call.corners.as_chunks::<4>().0.chunks(LANES) {
+                stage.emit(simd, quads, geometry);
             }
-            let light = [toward, -toward].map(|toward| AMBIENT + DIFFUSE * toward.max(0.0));
-            geometry.flats.extend(light);
-            if self.texturing == Texturing::Tiles {
-                let tile = tiles.u32(corners[0] as usize / 4);
-                let columns = surface.tiles.x as u32;
-                let place = [tile % columns, tile / columns].map(|place| place as f32);
-                geometry.flats.extend(place);
-            }
-        }
+        });
+    }
+
+    fn hulls(&self) -> Option<&dyn Hulls> {
+        Some(self)
     }
 
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
@@ -166,6 +161,96 @@ impl Program for LeafQuads {
                 Box::new(Textured::<true, false> { texture, surface })
             }
         }
+    }
+}
+
+/// What the vertex stage knows before it sees a quad.
+struct Stage<'a> {
+    program: LeafQuads,
+    place: Mat4,
+    clip_from_world: Mat4,
+    to_light: Vec3,
+    surface: Surface,
+    vertices: Words<'a>,
+    tiles: Words<'a>,
+}
+
+impl Stage<'_> {
+    /// Emits up to [`LANES`] quads.
+    #[inline(always)]
+    fn emit<S: Simd>(&self, simd: S, quads: &[[u32; 4]], geometry: &mut Geometry) {
+        let texturing = self.program.texturing;
+        let mut world = [Vec3Lanes::splat(simd, Vec3::ZERO); 4];
+        let mut clip = [[[0.0_f32; LANES]; 4]; 4];
+        for role in 0..4 {
+            let mut at = [[0.0_f32; LANES]; 3];
+            for (lane, corners) in quads.iter().enumerate().take(LANES) {
+                let [x, y, z] = self.vertices.f32s(3 * corners[role] as usize);
+                at[0][lane] = x;
+                at[1][lane] = y;
+                at[2][lane] = z;
+            }
+            world[role] = Vec3Lanes::new(simd, &at).transformed(simd, &self.place);
+            let projected = world[role].projected(simd, &self.clip_from_world);
+            for (axis, values) in projected.into_iter().enumerate() {
+                values.store_slice(&mut clip[role][axis]);
+            }
+        }
+        let normal = world[2].minus(world[0]).cross(world[3].minus(world[1]));
+        let normal = normal.normalize_or_zero(simd);
+        let mut toward = [0.0_f32; LANES];
+        let towards = normal.dot(Vec3Lanes::splat(simd, self.to_light));
+        towards.store_slice(&mut toward);
+        for (lane, corners) in quads.iter().enumerate().take(LANES) {
+            let first = u32::try_from(geometry.clip.len()).expect("a call has few quads");
+            let at = |role: usize| {
+                let [x, y, z, w] = &clip[role];
+                Vec4::new(x[lane], y[lane], z[lane], w[lane])
+            };
+            geometry.clip.extend([at(0), at(1), at(2), at(3)]);
+            geometry.vertex_ids.extend(*corners);
+            geometry
+                .corners
+                .extend([first, first + 1, first + 2, first + 3]);
+            if texturing != Texturing::None {
+                let corners = self.surface.corners;
+                geometry
+                    .varyings
+                    .extend(corners.iter().flat_map(|corner| corner.to_array()));
+            }
+            let light = [toward[lane], -toward[lane]];
+            let light = light.map(|toward| AMBIENT + DIFFUSE * toward.max(0.0));
+            geometry.flats.extend(light);
+            if texturing == Texturing::Tiles {
+                let tile = self.tiles.u32(corners[0] as usize / 4);
+                let columns = self.surface.tiles.x as u32;
+                let place = [tile % columns, tile / columns].map(|place| place as f32);
+                geometry.flats.extend(place);
+            }
+        }
+    }
+}
+
+impl Hulls for LeafQuads {
+    fn slots(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    fn bounds(&self, corners: &[u32], bindings: &Bindings<'_>) -> [Vec3; 2] {
+        let vertices = bindings.vertices();
+        let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        for &corner in corners {
+            let point = Vec3::from_array(vertices.f32s(3 * corner as usize));
+            bounds = [bounds[0].min(point), bounds[1].max(point)];
+        }
+        bounds
+    }
+
+    fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform {
+        let storage = |slot: u32| bindings.storage(slot as usize);
+        let clip_from_world = Mat4::from_cols_array(&storage(VIEW_SLOT).f32s(0));
+        let place = storage(INSTANCE_SLOT).f32s(16 * instance as usize);
+        Transform::of_product(clip_from_world, Mat4::from_cols_array(&place))
     }
 }
 
@@ -231,6 +316,43 @@ impl<const TILES: bool, const TESTED: bool> Fragment for Textured<'_, TILES, TES
         let (uv, level) = self.place(pixel);
         let alpha = self.texture.alpha(uv, level, Wrap::Clamp);
         alpha * self.surface.color.w >= self.surface.cutoff
+    }
+
+    #[inline(always)]
+    fn keeps_lanes<S: Simd>(&self, simd: S, pixels: &PixelLanes<'_, S>, wanted: u64) -> u64 {
+        if !TESTED {
+            return wanted;
+        }
+        let number = |value: f32| f32x8::splat(simd, value);
+        let (across, down) = (pixels.derivative_x, pixels.derivative_y);
+        let [u, v] = [pixels.varyings[0], pixels.varyings[1]];
+        let (at, levels) = if TILES {
+            let Surface {
+                tiles, tile_side, ..
+            } = self.surface;
+            let [columns, rows] = [number(tiles.x), number(tiles.y)];
+            let across = [across[0] / columns, across[1] / rows];
+            let down = [down[0] / columns, down[1] / rows];
+            let levels = self.texture.level_for_lanes(simd, across, down);
+            let mut rims = [0.0_f32; 8];
+            for (lane, rim) in rims.iter_mut().enumerate() {
+                *rim = 0.5 / (tile_side / (1_u32 << (levels[lane] & 31)) as f32).max(1.0);
+            }
+            let rim = f32x8::from_slice(simd, &rims);
+            let last = number(1.0) - rim;
+            let at = [
+                (number(pixels.flats[2]) + u.max(rim).min(last)) / columns,
+                (number(pixels.flats[3]) + v.max(rim).min(last)) / rows,
+            ];
+            (at, levels)
+        } else {
+            ([u, v], self.texture.level_for_lanes(simd, across, down))
+        };
+        let alpha = self
+            .texture
+            .alpha_lanes(simd, at, levels, Wrap::Clamp, wanted);
+        let alpha = alpha * number(self.surface.color.w);
+        alpha.simd_ge(number(self.surface.cutoff)).to_bitmask()
     }
 
     fn texels_tested(&self) -> u64 {

@@ -1,8 +1,8 @@
 //! The program that draws all triangles that are no quads: with a normal and texture coordinates a vertex.
 
 use spinney::gpu::{
-    Bindings, Blend, Fragment, Geometry, Kernel, Layout, MipMap, Pixel, Program, Topology,
-    VertexCall, Wrap,
+    Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, Program, Topology,
+    Transform, VertexCall, Wrap,
 };
 use spinney::math::{Mat3, Mat4, Vec2, Vec3, Vec4};
 
@@ -52,6 +52,10 @@ impl Program for MeshTriangles {
         }
     }
 
+    fn hulls(&self) -> Option<&dyn Hulls> {
+        Some(self)
+    }
+
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
         let surface = bindings.storage(SURFACE_SLOT as usize);
         Box::new(MeshFragment {
@@ -65,6 +69,29 @@ impl Program for MeshTriangles {
             },
             blended: self.blend == Blend::Alpha,
         })
+    }
+}
+
+impl Hulls for MeshTriangles {
+    fn slots(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    fn bounds(&self, corners: &[u32], bindings: &Bindings<'_>) -> [Vec3; 2] {
+        let vertices = bindings.vertices();
+        let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        for &corner in corners {
+            let point = Vec3::from_array(vertices.f32s(8 * corner as usize));
+            bounds = [bounds[0].min(point), bounds[1].max(point)];
+        }
+        bounds
+    }
+
+    fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform {
+        let storage = |slot: u32| bindings.storage(slot as usize);
+        let clip_from_world = Mat4::from_cols_array(&storage(VIEW_SLOT).f32s(0));
+        let place = storage(INSTANCE_SLOT).f32s(16 * instance as usize);
+        Transform::of_product(clip_from_world, Mat4::from_cols_array(&place))
     }
 }
 
