@@ -15,7 +15,7 @@ use super::sweep::{Variant, finest, states_at, traffic_on};
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Traffic};
 use crate::raster::Counters;
-use crate::scene::Scene;
+use crate::scene::{Scene, Simplifier};
 
 /// What to walk.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,11 +101,16 @@ pub fn bytes(
     let steps = u64::from(options.steps) + 1;
     let plants = (0..world.crowns.len()).map(|number| {
         let alone = world.plant_alone(number);
+        let any_pruned = options.variants.iter().any(|variant| variant.pruned);
+        let pruned = any_pruned.then(|| alone.simplified_by(Simplifier::Pruning));
         let crown = &world.crowns[number];
         let name = crown.plant().name();
         progress.begin(name, options.variants.len() as u64 * steps);
         let models = options.variants.iter();
-        let models = models.map(|&variant| walk(scene, &alone, options, variant, progress));
+        let models = models.map(|&variant| {
+            let pruned = pruned.as_ref().filter(|_| variant.pruned);
+            walk(scene, pruned.unwrap_or(&alone), options, variant, progress)
+        });
         Ok(PlantBytes {
             name: name.to_owned(),
             leaves: u64::from(crown.sequence().original_count()),

@@ -20,7 +20,7 @@ fn a_plant_alone_costs_what_a_walk_with_pictures_counts() {
     let labels = [
         "full",
         "vdf-indices",
-        "lodf-cluster-u16",
+        "lodf-cluster-pruned-u16",
         "lodf-slots-gathered",
         "lodf-device",
         "lodf-host-quantised+lodstrips-device",
