@@ -10,7 +10,7 @@
 use super::RunError;
 use super::options::SessionOptions;
 use super::progress::Progress;
-use super::session::Session;
+use super::session::{FRAME, Session};
 use super::sweep::{Variant, finest, states_at, traffic_on};
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Traffic};
@@ -134,7 +134,9 @@ fn walk(
     let finest = finest(scene);
     let mut session = Session::new(&finest, world, &session_options)?;
     let initial = on_links(session.initial(), Stream::Upload, &options.links);
-    let resident_bytes = session.resident_bytes();
+    let resident = session.device().resident_by_label().into_iter();
+    let others = resident.filter(|(label, _)| label != FRAME);
+    let resident_bytes = others.map(|(_, bytes)| bytes).sum();
     let kinds = (session_options.kind, session_options.trunk);
     let mut steps = Vec::new();
     for step in 0..=options.steps {

@@ -42,7 +42,7 @@ pub struct Session<'w> {
 }
 
 /// The target's label.
-const FRAME: &str = "frame";
+pub(super) const FRAME: &str = "frame";
 
 /// How many collapses stand at a level from 0 to 1.
 fn share_of(level: f32, all: u32) -> u32 {
@@ -459,13 +459,6 @@ impl<'w> Session<'w> {
             u64::from(resident.state().leaf_count(clusters))
         });
         leaves.sum()
-    }
-
-    /// Device memory in use, but for what frames are drawn into.
-    pub(super) fn resident_bytes(&self) -> u64 {
-        let labels = self.device.resident_by_label().into_iter();
-        let others = labels.filter(|(label, _)| label != FRAME);
-        others.map(|(_, bytes)| bytes).sum()
     }
 
     /// The state of every tree as it is committed.

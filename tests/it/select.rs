@@ -243,8 +243,10 @@ fn criteria_put_leaves_where_they_say() {
         let (shown, there) = on_side.fold((0, 0), |(a, b), (c, d)| (a + c, b + d));
         f64::from(shown) / f64::from(there)
     };
-    let near = |point: Vec3| point.x > crown.center().x;
-    let far = |point: Vec3| !near(point);
+    // Clusters that lie across the middle are on neither side.
+    let quarter = 0.25 * 0.5 * crown.bounds().size().x;
+    let near = |point: Vec3| point.x > crown.center().x + quarter;
+    let far = |point: Vec3| point.x < crown.center().x - quarter;
     let distance = ByDistance::across(crown, eye);
     assert!(share(&distance, &near) > 2.0 * share(&distance, &far));
     let from = |metres: f32| {
@@ -254,12 +256,22 @@ fn criteria_put_leaves_where_they_say() {
     let mut nearer = from(12.0).into_iter().zip(from(24.0));
     assert!(nearer.all(|(near, far)| near >= far));
     let half = 0.5 * crown.bounds().size();
-    let rim = |point: Vec3| {
+    let off_axis = |point: Vec3| {
         let at = (point - crown.center()) / half;
-        (at.y * at.y + at.z * at.z) > 0.6
+        at.y * at.y + at.z * at.z
     };
-    let middle = |point: Vec3| !rim(point);
-    assert!(share(&BySilhouette, &rim) > 1.5 * share(&BySilhouette, &middle));
+    let mut places: Vec<f32> = crown
+        .cluster_centers()
+        .iter()
+        .map(|&at| off_axis(at))
+        .collect();
+    places.sort_by(f32::total_cmp);
+    // The outer and the inner quarter of the clusters.
+    let [inner, outer] = [1, 3].map(|quarters| places[quarters * places.len() / 4]);
+    let rim = |point: Vec3| off_axis(point) >= outer;
+    let middle = |point: Vec3| off_axis(point) < inner;
+    let shares = [share(&BySilhouette, &rim), share(&BySilhouette, &middle)];
+    assert!(shares[0] > 1.5 * shares[1], "{shares:?}");
 }
 
 properties! {

@@ -8,7 +8,6 @@ use crate::gpu::nanoseconds;
 use crate::models::{Kind, TrunkKind};
 use crate::report::{Axis, Panel, Point, Scale, Scatter, Thing};
 use crate::run::Variant;
-use crate::scene::TrunkName;
 
 /// What a disc is, and what a ring.
 pub(super) const MARKS: &str = "Each point is a model over a whole walk. A disc is one that no other model \
@@ -133,11 +132,11 @@ fn is_unbeaten(entry: &Entry, entries: &[Entry], link: usize) -> bool {
 /// Models of a family have a colour.
 fn color(variant: Variant) -> usize {
     if let Some(TrunkKind { name, .. }) = variant.trunk {
-        return match name {
-            TrunkName::Full => 5,
-            TrunkName::LodStrips => 2,
-            TrunkName::LodStripsCut => 4,
-            TrunkName::Mom => 0,
+        return match name.name() {
+            "lodstrips" => 2,
+            "lodstrips-cut" => 4,
+            "mom" => 0,
+            _ => 5,
         };
     }
     match variant.kind {
