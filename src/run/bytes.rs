@@ -144,7 +144,7 @@ fn walk(
         let states = states_at(scene, world, session_options.size, kinds, at);
         session.commit_states(&states)?;
         let leaves = session.leaf_count();
-        let ledger = session.tally(0)?;
+        let ledger = tally(&mut session)?;
         let [upload, fetch] =
             [Stream::Upload, Stream::Fetch].map(|s| on_links(&ledger, s, &options.links));
         let traffic = upload.into_iter().zip(fetch);
@@ -170,4 +170,12 @@ fn walk(
 fn on_links(ledger: &Ledger, stream: Stream, links: &[Link]) -> Vec<Traffic> {
     let of = |link: &Link| traffic_on(ledger, Some(*link), stream);
     links.iter().map(of).collect()
+}
+
+/// What drawing the first frame as it is committed would count but samples, which nobody draws.
+fn tally(session: &mut Session<'_>) -> Result<Ledger, RunError> {
+    session.set_view(0)?;
+    let commands = session.commands();
+    session.device_mut().queue().tally(&commands)?;
+    Ok(session.device_mut().take_ledger())
 }

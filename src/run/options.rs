@@ -5,7 +5,7 @@ use crate::gpu::{Card, Link};
 use crate::models::{
     Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, TrunkKind, Vertices,
 };
-use crate::raster::{Counters, Options, TileSize};
+use crate::raster::{Counters, Instructions, Options, TileSize};
 use crate::scene::{self, ImageSize, SampleCount, Scene};
 
 /// What a session takes beside its scene.
@@ -27,6 +27,8 @@ pub struct SessionOptions {
     pub card: Card,
     /// Tile size and counters of the rasterizer; they change no picture.
     pub raster: Options,
+    /// Which instructions of this machine may be used; they change neither picture nor counter.
+    pub instructions: Instructions,
 }
 
 impl SessionOptions {
@@ -113,6 +115,7 @@ impl SessionOptions {
                 unknown("device.card", "card", card, known)
             })?,
             raster,
+            instructions: Instructions::Best,
         })
     }
 }

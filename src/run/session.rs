@@ -10,7 +10,7 @@ use crate::gpu::{
     Command, Device, DeviceDescriptor, Ledger, Load, ProbedFragment, RenderPass, ResourceId,
     TargetDescriptor, TargetId,
 };
-use crate::math::{Vec4, whole_u32};
+use crate::math::{Vec4, index_u32, whole_u32};
 use crate::models::{
     Camera, Criterion, Environment, Extent, Ground, Kind, LEAF_GROUP, Occlusion, Placement,
     Resident, Shared, State, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
@@ -139,6 +139,7 @@ impl<'w> Session<'w> {
             card: options.card,
             raster: options.raster,
         });
+        device.limit_instructions(options.instructions);
         if recorded == Recorded::FromTheStart {
             device.record();
         }
@@ -151,7 +152,7 @@ impl<'w> Session<'w> {
                 SampleCount::Four => Samples::Four,
             },
         })?;
-        let trees = crate::math::index_u32(world.trees.len());
+        let trees = index_u32(world.trees.len());
         // The ground is placed after all trees.
         let placed = trees + u32::from(world.ground.is_some());
         let mut environment = Environment::of_kind(&mut device, placed, options.kind)?;
@@ -176,7 +177,7 @@ impl<'w> Session<'w> {
             trunks.push(uploaded.transpose()?);
             let model = options.kind.model(crown, options.model);
             let standing = world.trees.iter().filter(|tree| tree.crown == number);
-            let rooms = crate::math::index_u32(standing.count());
+            let rooms = index_u32(standing.count());
             shared.push(model.upload(&mut device, &environment.with_rooms(rooms))?);
             owners.claim(&device, Owner::Plant(number));
         }
@@ -203,18 +204,20 @@ impl<'w> Session<'w> {
         let states = dictated.map_or_else(|| session.select(0), <[_]>::to_vec);
         for ((number, tree), state) in (0..).zip(&world.trees).zip(&states) {
             environment.place(&mut session.device.queue(), number, &tree.placement)?;
+            let device = &mut session.device;
             let trunk = trunks[tree.crown].as_ref();
-            let trunk =
-                trunk.map(|trunk| trunk.instance(&mut session.device, &state.trunk, number));
+            let trunk = trunk.map(|trunk| trunk.instance(device, &state.trunk, number));
             session.trunks.push(trunk.transpose()?);
             session.owners.claim(&session.device, Owner::Tree(number));
             let resident =
                 shared[tree.crown].instance(&mut session.device, &state.foliage, number)?;
             session.residents.push(resident);
             // Trees that the device selects for lie in buffers of all.
-            let owner = match options.kind.selects() {
-                true => Owner::Plant(tree.crown),
-                false => Owner::Tree(number),
+            let in_buffers_of_all = options.kind.selects();
+            let owner = if in_buffers_of_all {
+                Owner::Plant(tree.crown)
+            } else {
+                Owner::Tree(number)
             };
             session.owners.claim(&session.device, owner);
         }
@@ -232,7 +235,7 @@ impl<'w> Session<'w> {
         &self.initial
     }
 
-    /// As [`Device::limit_geometry`].
+    /// [`Device::limit_geometry`].
     pub fn limit_geometry(&mut self, bytes: u64) {
         self.device.limit_geometry(bytes);
     }
@@ -443,20 +446,12 @@ impl<'w> Session<'w> {
         })
     }
 
-    /// What drawing a frame as it is committed would count, but for samples, which nobody draws.
-    pub(super) fn tally(&mut self, frame: u32) -> Result<Ledger, RunError> {
-        self.set_view(frame)?;
-        let commands = self.commands();
-        self.device.queue().tally(&commands)?;
-        Ok(self.device.take_ledger())
-    }
-
     /// Leaves that are shown as it is committed.
     pub(super) fn leaf_count(&self) -> u64 {
         let trees = self.world.trees.iter().zip(&self.residents);
         let leaves = trees.map(|(tree, resident)| {
-            let clusters = self.world.crowns[tree.crown].clusters();
-            u64::from(resident.state().leaf_count(clusters))
+            let crown = &self.world.crowns[tree.crown];
+            u64::from(resident.state().leaf_count(crown.clusters()))
         });
         leaves.sum()
     }
@@ -484,7 +479,7 @@ impl<'w> Session<'w> {
     }
 
     /// The commands that draw all trees as they are committed.
-    fn commands(&self) -> Vec<Command> {
+    pub(super) fn commands(&self) -> Vec<Command> {
         let residents = self.residents.iter().map(|resident| &**resident);
         frame_commands(&self.environment, self.pass(), residents)
     }
@@ -554,7 +549,7 @@ impl<'w> Session<'w> {
     }
 
     /// Sends the view of a frame, if it is another than the last.
-    fn set_view(&mut self, frame: u32) -> Result<(), RunError> {
+    pub(super) fn set_view(&mut self, frame: u32) -> Result<(), RunError> {
         let light = &self.scene.light;
         let view = View {
             clip_from_world: self.scene.camera.at(frame, self.size).clip_from_world,

@@ -32,8 +32,8 @@ goldens! {
     forest { hill }
     full { four_samples resident }
     lodf {
-        cluster cluster_variable device host literal slots slots_gathered slots_variable stamps
-        stamps_variable
+        cluster cluster_variable device device_occlusion host literal pruned_cluster pruned_device
+        slots slots_gathered slots_variable stamps stamps_variable
     }
     select { hysteresis leaf_budget_variable pixel_error }
     species {

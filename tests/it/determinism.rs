@@ -268,9 +268,9 @@ fn shards_draw_what_one_run_draws() {
 /// table here in a commit of its own that says so.
 const PINNED: &str = "\
 plant     4ae92bd6d54fa6377c8c9c1e3501322ac399bff1d6c3c812931a0865c52e4100
-collapses a69d75b925183f1628f0f31dd941c48790ade55e5a9a6d22ec8252ab156ce0b7
-pictures  7380c584cc663ede341f331f86029edd742f1629d838aea054a67ea46caceba2
-ledgers   ab3f2e81660ef3fd2fe9c93a837c99f0eae1c3f6bbef97911a967f4c9d26667a
+collapses c6f0c14361f21a03a217156e4025235ead0cd0e18fae7fba39f2162984e969f0
+pictures  f0747a0f598549edcd37fc879f9da595998e43e688fb16a53942cc52e8abc0cd
+ledgers   377a372f2d30c8bed63169ec374e6afedd53257c51b49d5057e9c82583642c60
 ";
 
 /// A ledger as files have it: the entry of a frame, then each transfer.

@@ -26,6 +26,7 @@ mod occlusion;
 mod program;
 mod pruned;
 mod raster;
+mod raster_ways;
 mod report;
 mod scene;
 mod select;

@@ -1,9 +1,10 @@
 //! One scene drawn in many ways, to the same bits.
 
-use super::{Coordinates, Drawing, Plain, Quarter, batch, contents, render};
+use super::{Coordinates, Drawing, Plain, Quarter, batch, contents};
 use spinney::math::{Stream, Vec4};
 use spinney::raster::{
-    Batch, Blend, Counters, Geometry, Image, Options, Samples, Target, TileSize, Topology, Work,
+    Batch, Blend, Counters, Geometry, Image, Instructions, Machine, Options, Samples, Target,
+    TileSize, Topology, Work, render_on,
 };
 
 const SIZE: [u32; 2] = [150, 101];
@@ -32,16 +33,33 @@ fn leaves(count: u32, seed: u64) -> Drawing {
 }
 
 fn draw(batches: &[Batch<'_>], samples: Samples, options: Options) -> (Target, Work) {
+    draw_on(Machine::THIS, batches, samples, options)
+}
+
+fn draw_on(
+    machine: Machine,
+    batches: &[Batch<'_>],
+    samples: Samples,
+    options: Options,
+) -> (Target, Work) {
     let mut target = Target::new(SIZE[0], SIZE[1], samples);
     target.clear(Vec4::new(0.1, 0.2, 0.3, 1.0), 1.0);
-    let work = render(&mut target, batches, &options);
-    (target, work)
+    let rendered = render_on(machine, &mut target, batches, &options);
+    (target, Work::total(&rendered.works))
 }
 
 fn options(tile: TileSize, counters: Counters) -> Options {
     Options { tile, counters }
 }
 
+/// With the best instructions and room, with none of both.
+const MACHINES: [Machine; 2] = [
+    Machine::THIS,
+    Machine {
+        geometry_bytes: 0,
+        instructions: Instructions::Scalar,
+    },
+];
 const TILES: [TileSize; 2] = [TileSize::Side32, TileSize::Side64];
 const SAMPLES: [Samples; 2] = [Samples::One, Samples::Four];
 
@@ -70,11 +88,14 @@ fn threads_tiles_and_counters_leave_no_trace() {
                 .expect("threads can be had");
             for tile in TILES {
                 for counters in [Counters::Visible, Counters::Exact] {
-                    let (target, work) =
-                        pool.install(|| draw(&batches, samples, options(tile, counters)));
-                    seen.push((contents(&target), work.visible));
-                    if counters == Counters::Exact {
-                        exact.push(work);
+                    for machine in MACHINES {
+                        let options = options(tile, counters);
+                        let (target, work) =
+                            pool.install(|| draw_on(machine, &batches, samples, options));
+                        seen.push((contents(&target), work.visible));
+                        if counters == Counters::Exact {
+                            exact.push(work);
+                        }
                     }
                 }
             }
