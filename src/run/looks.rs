@@ -1,26 +1,108 @@
 //! How every level looks: the pictures by which a walk along the axis of detail is judged.
 //!
-//! The pictures of a level are the same for every model, so they are taken once a level. They come
-//! one level after another, full detail first, so that nobody need hold more than two.
+//! The pictures of a level are the same for all models of an [appearance](Appearance), so they are taken
+//! once a level of each. They come one level after another, full detail first, so that nobody need
+//! hold more than two.
 
 use super::RunError;
 use super::options::SessionOptions;
 use super::progress::Progress;
 use super::session::Session;
 use super::shard::Shard;
-use super::sweep::{Variant, prunings, states_at};
+use super::sweep::{Variant, finest, states_at};
 use super::views::{Shot, Views};
 use super::world::World;
 use crate::math::{index_u32, index_usize};
-use crate::models::{Kind, LeafFormat, ModelOptions, level};
-use crate::scene::{Scene, Simplifier};
+use crate::models::{Kind, LeafFormat, ModelOptions, Records, State, TrunkKind, Vertices, level};
+use crate::scene::{Scene, Simplifier, TrunkMode, TrunkName};
 use crate::simplify::measure_leaves;
+
+/// What beside the level decides how a scene looks: by law, models that agree in it show the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Appearance {
+    /// Whether foliage goes along the axis of detail, or stays at full detail.
+    pub foliage_has_levels: bool,
+    /// Whether trunks do; `None` for the scene's own.
+    pub trunk_has_levels: Option<bool>,
+    /// How exactly leaves are placed.
+    pub vertices: Vertices,
+    /// Whether leaves are pruned, whatever the scene says.
+    pub pruned: bool,
+}
+
+impl Appearance {
+    /// Foliage with levels and exact vertices, simplified as the scene says, the scene's own trunks.
+    pub const USUAL: Self = Self {
+        foliage_has_levels: true,
+        trunk_has_levels: None,
+        vertices: Vertices::Float,
+        pruned: false,
+    };
+
+    /// Of a variant; of what has [no levels](Variant::has_levels), that which begins as it always is.
+    #[must_use]
+    pub fn of(variant: Variant) -> Self {
+        Self {
+            foliage_has_levels: variant.kind.has_levels() || !variant.has_levels(),
+            trunk_has_levels: variant.trunk.map(TrunkKind::has_levels),
+            vertices: variant.format.vertices,
+            pruned: variant.pruned,
+        }
+    }
+
+    /// The usual one, then what else there is among variants, each once.
+    #[must_use]
+    pub fn all_of(variants: impl IntoIterator<Item = Variant>) -> Vec<Self> {
+        let mut all = vec![Self::USUAL];
+        for variant in variants {
+            let found = Self::of(variant);
+            if !all.contains(&found) {
+                all.push(found);
+            }
+        }
+        all
+    }
+
+    /// How a session shows it. Any kind that looks so would do; these send least.
+    fn session(self, usual: &SessionOptions) -> SessionOptions {
+        SessionOptions {
+            kind: match self.foliage_has_levels {
+                true => Kind::LodfStamps,
+                false => Kind::Full,
+            },
+            trunk: match self.trunk_has_levels {
+                None => usual.trunk,
+                Some(false) => TrunkKind::FULL,
+                Some(true) => TrunkKind {
+                    name: TrunkName::LodStrips,
+                    mode: TrunkMode::Device,
+                },
+            },
+            model: ModelOptions {
+                format: LeafFormat {
+                    records: Records::Wide,
+                    vertices: self.vertices,
+                },
+                ..usual.model
+            },
+            ..*usual
+        }
+    }
+
+    /// What of it is seen of foliage alone.
+    fn foliage(self) -> Self {
+        Self {
+            trunk_has_levels: None,
+            ..self
+        }
+    }
+}
 
 /// Which levels to look at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LookOptions {
-    /// The models whose levels are looked at: by them foliage is looked at as the scene simplifies it,
-    /// pruned, or both.
+    /// The models whose levels are looked at, in each [appearance](Appearance) that one of them has; all
+    /// are held against full detail of the usual one, which is looked at whoever has it.
     pub variants: Vec<Variant>,
     /// Into how many steps the walk divides the axis of detail.
     pub steps: u32,
@@ -56,10 +138,10 @@ pub enum Subject {
 /// How a subject looks at a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
-    /// Whether the foliage is pruned, whatever the scene says.
-    pub pruned: bool,
     /// The step.
     pub step: u32,
+    /// What looks so: one appearance of a scene; of foliage alone several may look the same.
+    pub appearances: Vec<Appearance>,
     /// What the pictures are of.
     pub subject: Subject,
     /// The pictures.
@@ -68,8 +150,8 @@ pub struct Look {
     pub leaf_area: f64,
 }
 
-/// Hands out how the scene and then each of its plants look, each from full detail to the coarsest; and
-/// then again, if their foliage is wanted pruned as well.
+/// Hands out how the scene and then each of its plants look, in each appearance from full detail to the
+/// coarsest.
 ///
 /// # Errors
 ///
@@ -84,67 +166,64 @@ pub fn looks<E: From<RunError>>(
     let steps: Vec<u32> = looked_at(options.steps, options.looks)
         .filter(|step| *step == 0 || options.shard.draws(*step))
         .collect();
-    let prunings: Vec<bool> = prunings(&options.variants).collect();
-    let subjects = (world.crowns.len() + 1) * prunings.len();
-    progress.begin("pictures of levels", (subjects * steps.len()) as u64);
-    for pruned in prunings {
-        let other = pruned.then(|| world.simplified_by(Simplifier::Pruning));
-        let world = other.as_ref().unwrap_or(world);
-        looks_of(scene, (world, pruned), options, &steps, progress, &mut take)?;
+    let appearances = Appearance::all_of(options.variants.iter().copied());
+    let mut foliages: Vec<Appearance> = Vec::new();
+    for appearance in &appearances {
+        if !foliages.contains(&appearance.foliage()) {
+            foliages.push(appearance.foliage());
+        }
     }
-    Ok(())
-}
-
-/// [`looks`] of one of the foliages at these steps.
-fn looks_of<E: From<RunError>>(
-    scene: &Scene,
-    (world, pruned): (&World, bool),
-    options: &LookOptions,
-    steps: &[u32],
-    progress: &dyn Progress,
-    mut take: impl FnMut(Look) -> Result<(), E>,
-) -> Result<(), E> {
-    let mut finest = scene.clone();
-    finest.model.level = Some(0.0);
-    // Any model would do; this one sends least.
-    let session = SessionOptions {
-        kind: Kind::LodfStamps,
-        model: ModelOptions {
-            format: LeafFormat::WIDE,
-            ..options.session.model
-        },
-        ..options.session
+    let walks = appearances.len() + world.crowns.len() * foliages.len();
+    progress.begin("pictures of levels", (walks * steps.len()) as u64);
+    let any_pruned = appearances.iter().any(|appearance| appearance.pruned);
+    let pruned = any_pruned.then(|| world.simplified_by(Simplifier::Pruning));
+    let world_of = |appearance: Appearance| {
+        let pruned = pruned.as_ref().filter(|_| appearance.pruned);
+        pruned.unwrap_or(world)
     };
-    let (size, kinds) = (session.size, (session.kind, session.trunk));
-    let mut session = Session::new(&finest, world, &session)?;
-    for &step in steps {
-        let at = [step, options.steps];
-        session.commit_states(&states_at(scene, world, size, kinds, at))?;
-        take(Look {
-            pruned,
-            step,
-            subject: Subject::Scene,
-            shots: vec![session.shot(0)?],
-            leaf_area: 0.0,
-        })?;
-        progress.step();
-    }
-    drop(session);
-    for (number, crown) in world.crowns.iter().enumerate() {
-        let mut views = Views::new(crown)?;
-        for &step in steps {
-            let state = level(crown, step, options.steps);
-            views.show(&state)?;
-            let visible = state.visible(crown.clusters());
-            let measure = measure_leaves(crown.vertices(), crown.sequence(), visible);
+    let finest = finest(scene);
+    for &appearance in &appearances {
+        let world = world_of(appearance);
+        let session = appearance.session(&options.session);
+        let (size, kinds) = (session.size, (session.kind, session.trunk));
+        let mut session = Session::new(&finest, world, &session)?;
+        for &step in &steps {
+            let at = [step, options.steps];
+            session.commit_states(&states_at(scene, world, size, kinds, at))?;
             take(Look {
-                pruned,
                 step,
-                subject: Subject::Plant(number),
-                shots: views.shots()?,
-                leaf_area: measure.area,
+                appearances: vec![appearance],
+                subject: Subject::Scene,
+                shots: vec![session.shot(0)?],
+                leaf_area: 0.0,
             })?;
             progress.step();
+        }
+    }
+    for number in 0..world.crowns.len() {
+        for &foliage in &foliages {
+            let crown = &world_of(foliage).crowns[number];
+            let like = appearances.iter().copied();
+            let like = like.filter(|other| other.foliage() == foliage);
+            let like: Vec<Appearance> = like.collect();
+            let mut views = Views::with_vertices(crown, foliage.vertices)?;
+            for &step in &steps {
+                let state = match foliage.foliage_has_levels {
+                    true => level(crown, step, options.steps),
+                    false => State::FINEST,
+                };
+                views.show(&state)?;
+                let visible = state.visible(crown.clusters());
+                let measure = measure_leaves(crown.vertices(), crown.sequence(), visible);
+                take(Look {
+                    step,
+                    appearances: like.clone(),
+                    subject: Subject::Plant(number),
+                    shots: views.shots()?,
+                    leaf_area: measure.area,
+                })?;
+                progress.step();
+            }
         }
     }
     Ok(())
@@ -153,6 +232,41 @@ fn looks_of<E: From<RunError>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_looks_the_same_is_looked_at_once() {
+        let variants = [
+            "full",
+            "lodf-slots-u16",
+            "lodf-stamps-quantised",
+            "vdf-host+mom-host",
+            "lodf-cluster-u16-quantised",
+            "lodf-slots+lodstrips-device",
+            "full+lodstrips-cut-host",
+            "full+full",
+            "lodf-stamps-pruned-u16",
+        ];
+        let variants = variants.map(|label| Variant::labelled(label).unwrap());
+        let appearance = |foliage_has_levels, trunk_has_levels, vertices| Appearance {
+            foliage_has_levels,
+            trunk_has_levels,
+            vertices,
+            pruned: false,
+        };
+        let wanted = [
+            Appearance::USUAL,
+            appearance(true, None, Vertices::Quantised),
+            appearance(true, Some(true), Vertices::Float),
+            appearance(false, Some(true), Vertices::Float),
+            // As it always is, it is at the begin.
+            appearance(true, Some(false), Vertices::Float),
+            Appearance {
+                pruned: true,
+                ..Appearance::USUAL
+            },
+        ];
+        assert_eq!(Appearance::all_of(variants), wanted);
+    }
 
     #[test]
     fn looks_are_spread_evenly_with_both_ends() {

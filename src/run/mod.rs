@@ -32,7 +32,7 @@ pub use cache::{CacheLimit, ModelCache};
 pub use crowns::CrownStore;
 pub use export::{FrameExport, camera_json, export_frame};
 pub use frame::Frame;
-pub use looks::{Look, LookOptions, Subject, looked_at, looks};
+pub use looks::{Appearance, Look, LookOptions, Subject, looked_at, looks};
 pub use mass::{Mass, mass};
 pub use options::SessionOptions;
 pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};
@@ -40,7 +40,7 @@ pub use popping::{PopMeter, Popping};
 pub use progress::{Progress, Silent};
 pub use session::{Owner, Session};
 pub use shard::Shard;
-pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, prunings, sweep};
+pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
 pub use views::{Shot, VIEW_SIDE, Views, directions};
 pub use world::{StandingTree, World, crown};
 

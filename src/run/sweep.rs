@@ -130,6 +130,12 @@ impl Variant {
     /// What a label may end in, in this order, after the kind's.
     const ENDINGS: [&'static str; 5] = ["-pruned", "-u16", "-quantised", "-occlusion", "-gathered"];
 
+    /// Whether it can show anything but full detail, of foliage or a trunk of its own.
+    #[must_use]
+    pub fn has_levels(self) -> bool {
+        self.kind.has_levels() || self.trunk.is_some_and(TrunkKind::has_levels)
+    }
+
     /// Whether a card can do it.
     #[must_use]
     pub fn runs_on(self, card: Card) -> bool {
@@ -213,21 +219,6 @@ impl Variant {
             && (has_records || self.format.records == Records::Wide)
             && (self.kind.has_levels() || !self.pruned)
     }
-}
-
-/// Whether the foliage that models show is pruned, for each of the foliages that some of them show: the
-/// scene's first.
-pub fn prunings(variants: &[Variant]) -> impl Iterator<Item = bool> {
-    let wanted = [false, true].map(|pruned| {
-        let mut with_levels = variants.iter().filter(|variant| variant.kind.has_levels());
-        with_levels.any(|variant| variant.pruned == pruned)
-    });
-    // What has no levels shows full detail, which is the same of both.
-    let wanted = [wanted[0] || !wanted[1], wanted[1]];
-    [false, true]
-        .into_iter()
-        .zip(wanted)
-        .filter_map(|(pruned, wanted)| wanted.then_some(pruned))
 }
 
 /// What to walk.

@@ -9,7 +9,7 @@ use crate::gpu::{
 use crate::math::{Mat4, Sphere, Vec3, Vec4};
 use crate::models::{
     Crown, Environment, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion,
-    Placement, Resident, State, View,
+    Placement, Records, Resident, State, Vertices, View,
 };
 use crate::raster::{Counters, Image, Options, Samples, Target, TileSize, decode_srgb};
 
@@ -83,7 +83,16 @@ impl Views {
     ///
     /// What the device refuses.
     pub fn new(crown: &Arc<Crown>) -> Result<Self, RunError> {
-        Self::within(crown, Sphere::of(crown.original_vertices()))
+        Self::with_vertices(crown, Vertices::Float)
+    }
+
+    /// As [`new`](Self::new), the leaves placed as exactly as `vertices` says.
+    ///
+    /// # Errors
+    ///
+    /// What the device refuses.
+    pub fn with_vertices(crown: &Arc<Crown>, vertices: Vertices) -> Result<Self, RunError> {
+        Self::make(crown, vertices, Sphere::of(crown.original_vertices()))
     }
 
     /// Shows a crown at full detail, around a given sphere: for leaves that are what was left of
@@ -93,6 +102,10 @@ impl Views {
     ///
     /// What the device refuses.
     pub fn within(crown: &Arc<Crown>, sphere: Sphere) -> Result<Self, RunError> {
+        Self::make(crown, Vertices::Float, sphere)
+    }
+
+    fn make(crown: &Arc<Crown>, vertices: Vertices, sphere: Sphere) -> Result<Self, RunError> {
         let mut device = Device::new(DeviceDescriptor {
             memory_bytes: u64::MAX,
             link: Link::ALL[0],
@@ -107,7 +120,10 @@ impl Views {
         let options = ModelOptions {
             extraction: Extraction::Batched,
             gather: Gather::Single,
-            format: LeafFormat::WIDE,
+            format: LeafFormat {
+                records: Records::Wide,
+                vertices,
+            },
             occlusion: Occlusion::None,
         };
         let model = Kind::LodfStamps.model(crown, options);

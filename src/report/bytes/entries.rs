@@ -2,7 +2,6 @@
 
 use super::ByteReport;
 use super::sums::{Sums, Verdict};
-use crate::models::TrunkKind;
 use crate::run::{PlantBytes, Variant};
 
 /// What is compared among each other.
@@ -45,11 +44,6 @@ pub(super) struct Entry {
     pub(super) unbeaten: Vec<Option<usize>>,
 }
 
-/// Whether a variant can show anything but full detail, of foliage or trunk.
-fn has_levels(variant: Variant) -> bool {
-    variant.kind.has_levels() || variant.trunk.is_some_and(TrunkKind::has_levels)
-}
-
 /// The bases of a group that were walked.
 pub(super) fn bases(report: &ByteReport, group: Group) -> Vec<&'static str> {
     let walked = |label: &&str| {
@@ -72,7 +66,7 @@ pub(super) fn entries(report: &ByteReport, plant: &PlantBytes, group: Group) -> 
             let base = known.iter().find(|(other, _)| other.label() == base);
             let verdict = |link| {
                 let (other, theirs) = base?;
-                (other != variant && has_levels(*variant))
+                (other != variant && variant.has_levels())
                     .then(|| sums.cost(link).against(&theirs.cost(link)))
             };
             links
@@ -81,10 +75,10 @@ pub(super) fn entries(report: &ByteReport, plant: &PlantBytes, group: Group) -> 
                 .collect()
         };
         let unbeaten = |link| {
-            let mut rivals = known.iter().filter(|(other, _)| has_levels(*other));
+            let mut rivals = known.iter().filter(|(other, _)| other.has_levels());
             let cost = sums.cost(link);
             let beaten = rivals.any(|(_, theirs)| theirs.cost(link).dominates(&cost));
-            has_levels(*variant).then_some(usize::from(!beaten))
+            variant.has_levels().then_some(usize::from(!beaten))
         };
         Entry {
             variant: *variant,
@@ -114,7 +108,7 @@ pub(super) fn together(report: &ByteReport, group: Group) -> Vec<Entry> {
 impl Entry {
     /// Whether the model can show anything but full detail.
     pub(super) fn has_levels(&self) -> bool {
-        has_levels(self.variant)
+        self.variant.has_levels()
     }
 
     /// Adds the same model of another plant.

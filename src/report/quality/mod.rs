@@ -19,27 +19,28 @@ use std::collections::BTreeMap;
 
 use super::ReportError;
 use crate::math::Digest;
-use crate::run::{Look, Subject, SweepModel, SweepStep};
+use crate::run::{Appearance, Look, Subject, SweepModel, SweepStep};
 
 /// What every level that was looked at does to the picture.
 ///
-/// Levels alone decide it, and whether leaves are pruned: by law all other models show the same at a
-/// level, so it is found once a level. Whether they do is seen from the digest of the scene's picture, by [`of`](Self::of).
+/// Levels and [appearances](Appearance) alone decide it: by law all models of one show the same at a
+/// level, so it is found once a level of each. Whether they do is seen from the digest of the scene's
+/// picture, by [`of`](Self::of).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepQuality {
     /// Plants that were looked at, each alone and once however many of it stand.
     pub plants: usize,
-    /// The levels, ascending, full detail first; those of pruned foliage after all others.
+    /// The levels, appearance by appearance, the usual one first; of each ascending, full detail first.
     pub steps: Vec<StepQuality>,
 }
 
 /// What a level does to the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepQuality {
-    /// Whether leaves are pruned, whatever the scene says.
-    pub pruned: bool,
     /// The step of the walk.
     pub step: u32,
+    /// What looks so.
+    pub appearance: Appearance,
     /// The digest of the scene's own picture at this step.
     pub image_digest: Digest,
     /// The scene's own picture against that at full detail.
@@ -67,33 +68,70 @@ impl SweepQuality {
     }
 
     fn at(&self, model: &SweepModel, step: &SweepStep) -> Option<&StepQuality> {
-        let wanted = (model.variant.pruned, step.step);
-        let mut steps = self.steps.iter();
-        if model.variant.kind.has_levels() {
-            steps.find(|found| (found.pruned, found.step) == wanted)
-        } else {
-            let first = steps.next()?;
-            steps
-                .chain([first])
-                .any(|found| found.step == step.step)
-                .then_some(first)
+        let mut steps = self
+            .of_appearance(Appearance::of(model.variant))
+            .into_iter();
+        let first = *steps.as_slice().first()?;
+        let found = steps.find(|found| found.step == step.step)?;
+        Some(match model.variant.has_levels() {
+            true => found,
+            false => first,
+        })
+    }
+
+    /// The appearances that were looked at, the usual one first; pruned or not, they are one.
+    #[must_use]
+    pub fn looks(&self) -> Vec<Appearance> {
+        let mut all = Vec::new();
+        for step in &self.steps {
+            let look = unpruned(step.appearance);
+            if !all.contains(&look) {
+                all.push(look);
+            }
         }
+        all
+    }
+
+    /// The levels of one of these [looks](Self::looks): first as the scene simplifies foliage, then pruned.
+    #[must_use]
+    pub fn of_look(&self, look: Appearance) -> Vec<&StepQuality> {
+        let steps = self.steps.iter();
+        let found = steps.filter(|step| unpruned(step.appearance) == look);
+        let (pruned, usual): (Vec<_>, Vec<_>) = found.partition(|step| step.appearance.pruned);
+        [usual, pruned].concat()
+    }
+
+    /// The levels of an appearance, ascending.
+    #[must_use]
+    pub fn of_appearance(&self, appearance: Appearance) -> Vec<&StepQuality> {
+        let steps = self.steps.iter();
+        steps.filter(|step| step.appearance == appearance).collect()
+    }
+}
+
+/// The same with leaves as the scene simplifies them.
+fn unpruned(appearance: Appearance) -> Appearance {
+    Appearance {
+        pruned: false,
+        ..appearance
     }
 }
 
 /// Takes looks one after another and holds each against full detail.
 #[derive(Debug, Default)]
 pub struct QualityMeter {
-    /// What is looked at, and how it looks at full detail.
+    /// The subject that is looked at, and how it looks at full detail.
     reference: Option<Reference>,
-    /// By whether foliage is pruned, and step.
-    steps: BTreeMap<(bool, u32), Sums>,
+    /// As they came.
+    appearances: Vec<Appearance>,
+    /// By the appearance's place and the step.
+    steps: BTreeMap<(usize, u32), Sums>,
     plants: usize,
 }
 
 #[derive(Debug)]
 struct Reference {
-    subject: (bool, Subject),
+    subject: Subject,
     views: Vec<PictureView>,
     leaf_area: f64,
 }
@@ -115,14 +153,11 @@ impl QualityMeter {
         let digest = look.shots.first().map(|shot| shot.image.digest());
         let shots = look.shots.into_iter();
         let views: Vec<PictureView> = shots.map(PictureView::of).collect::<Result<_, _>>()?;
-        let subject = (look.pruned, look.subject);
-        let is_known = |reference: &Reference| reference.subject == subject;
-        if let Subject::Plant(plant) = look.subject {
-            self.plants = self.plants.max(plant + 1);
-        }
+        let is_known = |reference: &Reference| reference.subject == look.subject;
         if !self.reference.as_ref().is_some_and(is_known) {
+            self.plants += usize::from(look.subject != Subject::Scene);
             self.reference = Some(Reference {
-                subject,
+                subject: look.subject,
                 views: views.clone(),
                 leaf_area: look.leaf_area,
             });
@@ -134,13 +169,23 @@ impl QualityMeter {
         let found: Vec<ViewQuality> = pairs
             .map(|(full, level)| ViewQuality::between(full, level))
             .collect::<Result<_, _>>()?;
-        let sums = self.steps.entry((look.pruned, look.step)).or_default();
-        match look.subject {
-            Subject::Scene => sums.frame = digest.zip(found.first().copied()),
-            Subject::Plant(_) => {
-                sums.leaf_areas
-                    .push(share(look.leaf_area, reference.leaf_area));
-                sums.foliage.extend(found);
+        for appearance in look.appearances {
+            let known = self.appearances.iter();
+            let place = match known.into_iter().position(|known| *known == appearance) {
+                Some(place) => place,
+                None => {
+                    self.appearances.push(appearance);
+                    self.appearances.len() - 1
+                }
+            };
+            let sums = self.steps.entry((place, look.step)).or_default();
+            match look.subject {
+                Subject::Scene => sums.frame = digest.zip(found.first().copied()),
+                Subject::Plant(_) => {
+                    sums.leaf_areas
+                        .push(share(look.leaf_area, reference.leaf_area));
+                    sums.foliage.extend(&found);
+                }
             }
         }
         Ok(())
@@ -149,11 +194,11 @@ impl QualityMeter {
     /// What was found; levels of which the scene's own picture was not taken are left out.
     #[must_use]
     pub fn finish(self) -> SweepQuality {
-        let step = |((pruned, step), sums): ((bool, u32), Sums)| {
+        let step = |((place, step), sums): ((usize, u32), Sums)| {
             let (image_digest, frame) = sums.frame?;
             Some(StepQuality {
-                pruned,
                 step,
+                appearance: self.appearances[place],
                 image_digest,
                 frame,
                 leaf_area: mean(&sums.leaf_areas).unwrap_or(1.0),
@@ -185,8 +230,8 @@ mod tests {
     /// A picture of the test's own with leaves in its first `leaves` pixels.
     fn look(step: u32, subject: Subject, leaves: usize, leaf_area: f64) -> Look {
         Look {
-            pruned: false,
             step,
+            appearances: vec![Appearance::USUAL],
             subject,
             shots: vec![view::tests::shot(leaves), view::tests::shot(2 * leaves)],
             leaf_area,

@@ -11,7 +11,7 @@ use crate::math::index_u32;
 use crate::report::run::{FrameRow, PathEntry, RunFolder, RunHeader};
 use crate::report::sweep::{SweepHeader, write_sweep};
 use crate::report::{OutputFolder, Picture, ReportError, SweepQuality};
-use crate::run::{Frame, Progress, Sweep, SweepModel, Variant, looked_at, prunings};
+use crate::run::{Appearance, Frame, Progress, Sweep, SweepModel, looked_at};
 
 /// What was joined.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,8 +81,8 @@ pub fn merge(
             let sweep = Sweep {
                 models: joined_steps(&mut shards, steps, models, progress)?,
             };
-            let variants: Vec<Variant> = sweep.models.iter().map(|model| model.variant).collect();
-            let quality = looks.map(|looks| joined_looks(&mut shards, &variants, steps, looks));
+            let appearances = Appearance::all_of(sweep.models.iter().map(|model| model.variant));
+            let quality = looks.map(|looks| joined_looks(&mut shards, steps, looks, &appearances));
             let quality = quality.transpose()?;
             ended(&mut shards)?;
             write_sweep(&folder, &header, &sweep, quality.as_ref())?;
@@ -220,24 +220,24 @@ fn joined_steps(
 
 fn joined_looks(
     shards: &mut [ShardFile],
-    variants: &[Variant],
     steps: u32,
     looks: u32,
+    appearances: &[Appearance],
 ) -> Result<SweepQuality, ReportError> {
     let mut quality = SweepQuality {
         plants: 0,
         steps: Vec::new(),
     };
-    let lines = prunings(variants)
-        .flat_map(|pruned| looked_at(steps, looks).map(move |step| (pruned, step)));
-    for (pruned, step) in lines {
-        let shard = shard_of(shards, step);
-        match shard.next::<LookLine>()? {
-            Some(line) if (line.quality().pruned, line.look) == (pruned, step) => {
-                quality.plants = line.plants;
-                quality.steps.push(line.quality());
+    for (place, &appearance) in appearances.iter().enumerate() {
+        for step in looked_at(steps, looks) {
+            let shard = shard_of(shards, step);
+            match shard.next::<LookLine>()? {
+                Some(line) if (line.appearance, line.look) == (place, step) => {
+                    quality.plants = line.plants;
+                    quality.steps.push(line.quality(appearance));
+                }
+                _ => return Err(shard.fail(format!("wanted what step {step} does to the picture"))),
             }
-            _ => return Err(shard.fail(format!("wanted what step {step} does to the picture"))),
         }
     }
     Ok(quality)

@@ -30,7 +30,7 @@ use super::{
 };
 use crate::gpu::Ledger;
 use crate::math::Digest;
-use crate::run::{Frame, Shard, Sweep, SweepModel, SweepStep};
+use crate::run::{Appearance, Frame, Shard, Sweep, SweepModel, SweepStep};
 
 /// The value of `schema` in the first line of `shard.jsonl`.
 pub const SHARD_SCHEMA: &str = "spinney.shard/1";
@@ -187,9 +187,13 @@ pub fn write_sweep_shard(
         }
     }
     if let Some(quality) = quality {
+        let appearances = Appearance::all_of(sweep.models.iter().map(|model| model.variant));
         // Every shard looks at full detail; one tells of it.
         for step in quality.steps.iter().filter(|step| shard.draws(step.step)) {
-            file.add(&(json(&LookLine::of(quality.plants, step)) + "\n"))?;
+            let mut known = appearances.iter();
+            let place = known.position(|known| *known == step.appearance);
+            let line = LookLine::of(quality.plants, place.unwrap_or(0), step);
+            file.add(&(json(&line) + "\n"))?;
         }
     }
     file.finish()
@@ -200,8 +204,8 @@ pub fn write_sweep_shard(
 #[serde(deny_unknown_fields)]
 struct LookLine {
     plants: usize,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pruned: Option<bool>,
+    /// The place of the appearance among those of the models.
+    appearance: usize,
     look: u32,
     image_digest: Digest,
     frame: [u64; 3],
@@ -214,7 +218,7 @@ struct LookLine {
 }
 
 impl LookLine {
-    fn of(plants: usize, step: &StepQuality) -> Self {
+    fn of(plants: usize, appearance: usize, step: &StepQuality) -> Self {
         let ViewQuality {
             covered,
             silhouette,
@@ -225,7 +229,7 @@ impl LookLine {
         let foliage = &step.foliage;
         Self {
             plants,
-            pruned: step.pruned.then_some(true),
+            appearance,
             look: step.step,
             image_digest: step.image_digest,
             frame: [covered, silhouette, flip].map(f64::to_bits),
@@ -238,15 +242,15 @@ impl LookLine {
         }
     }
 
-    fn quality(&self) -> StepQuality {
+    fn quality(&self, appearance: Appearance) -> StepQuality {
         let [covered, silhouette, flip] = self.frame.map(f64::from_bits);
         let spread = |bits: [u64; 2]| {
             let [mean, worst] = bits.map(f64::from_bits);
             Spread { mean, worst }
         };
         StepQuality {
-            pruned: self.pruned == Some(true),
             step: self.look,
+            appearance,
             image_digest: self.image_digest,
             frame: ViewQuality {
                 covered,

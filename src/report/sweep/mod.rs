@@ -23,10 +23,12 @@ pub use table::{sweep_markdown, sweep_notes, sweep_table, sweep_text};
 
 use serde::Serialize;
 
-use self::quality::{QualityEntry, quality_cells, quality_columns, quality_sections};
+use self::quality::{
+    QualityEntry, quality_cells, quality_columns, quality_heading, quality_sections,
+};
 
 use super::run::{LedgerEntry, TrafficEntry, json};
-use super::{Cell, Column, OutputFolder, Page, ReportError, Section, SweepQuality, Table};
+use super::{Cell, Column, OutputFolder, Page, Plot, ReportError, Section, SweepQuality, Table};
 use crate::gpu::{Card, Link, nanoseconds};
 use crate::run::{Sweep, SweepModel, SweepStep};
 
@@ -437,7 +439,9 @@ pub fn write_sweep(
     );
     folder.write("sweep.json", json.as_bytes())?;
     folder.write("sweep.csv", csv.as_bytes())?;
-    let mut plots = sweep_plots(sweep);
+    let plots = sweep_plots(sweep).into_iter();
+    let mut plots: Vec<(String, Plot)> =
+        plots.map(|(name, plot)| (name.to_owned(), plot)).collect();
     plots.extend(quality.into_iter().flat_map(quality_plots));
     for (name, plot) in plots {
         folder.write(&format!("plots/{name}.svg"), plot.to_svg().as_bytes())?;

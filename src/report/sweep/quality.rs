@@ -3,12 +3,13 @@
 use serde::Serialize;
 
 use super::plots::plot;
+use crate::models::Vertices;
 use crate::report::run::evenly;
 use crate::report::{
     Cell, Column, Plot, QualitySummary, Scale, Section, Series, Spread, StepQuality, SweepQuality,
     Table, ViewQuality, decimal, grouped,
 };
-use crate::run::{Sweep, SweepModel, VIEW_SIDE, directions};
+use crate::run::{Appearance, Sweep, SweepModel, VIEW_SIDE, directions};
 
 /// What the measures mean.
 const CAPTION: &str = "Each level against full detail. Area is that of the leaves; covered are pixels \
@@ -116,9 +117,10 @@ pub(super) fn quality_cells(step: Option<&StepQuality>) -> Vec<Cell> {
     cells
 }
 
-/// A row a level that was looked at; of more than `most` only some, evenly chosen, with both ends.
+/// A row a level of a [look](SweepQuality::looks), as the scene simplifies foliage and pruned; of more than `most` only some, evenly chosen, with
+/// both ends.
 #[must_use]
-pub fn quality_table(quality: &SweepQuality, most: usize) -> Table {
+pub fn quality_table(quality: &SweepQuality, look: Appearance, most: usize) -> Table {
     let headings = [
         "detail",
         "area",
@@ -129,24 +131,24 @@ pub fn quality_table(quality: &SweepQuality, most: usize) -> Table {
         "FLIP, scene",
         "SSIM, scene",
     ];
-    let rows = evenly(quality.steps.len(), most).into_iter();
-    let steps: Vec<&StepQuality> = rows.map(|index| &quality.steps[index]).collect();
-    let simplified = |step: &StepQuality| Cell::Text(foliage_name(step.pruned).to_owned());
-    let names = has_pruned(quality).then(|| Column::words("foliage"));
+    let steps = quality.of_look(look);
+    let rows = evenly(steps.len(), most).into_iter();
+    let names = has_pruned(&steps).then(|| Column::words("foliage"));
     let numbers = headings.into_iter().map(Column::numbers);
     let row = |step: &StepQuality| {
-        let name = names.is_some().then(|| simplified(step));
+        let name = || Cell::Text(foliage_name(step.appearance.pruned).to_owned());
+        let name = names.is_some().then(name);
         name.into_iter().chain(table_cells(quality, step)).collect()
     };
     Table {
-        rows: steps.into_iter().map(row).collect(),
+        rows: rows.map(|index| row(steps[index])).collect(),
         columns: names.into_iter().chain(numbers).collect(),
     }
 }
 
 /// Whether some of the foliage is pruned beside what the scene says.
-fn has_pruned(quality: &SweepQuality) -> bool {
-    quality.steps.iter().any(|step| step.pruned)
+fn has_pruned(steps: &[&StepQuality]) -> bool {
+    steps.iter().any(|step| step.appearance.pruned)
 }
 
 /// How foliage is simplified.
@@ -214,7 +216,14 @@ fn agreement(sweep: &Sweep, quality: &SweepQuality) -> String {
         .iter()
         .filter_map(|m| first_other(&m))
         .collect();
-    let looked_at = quality.steps.len();
+    let looked_at = quality.of_look(Appearance::USUAL).len();
+    if others.is_empty() && quality.looks().len() > 1 {
+        return format!(
+            "At all {looked_at} levels that were looked at, all {} models show the picture of the scene \
+             that others with such trunks and vertices show, bit for bit.",
+            sweep.models.len()
+        );
+    }
     if others.is_empty() {
         return format!(
             "At all {looked_at} levels that were looked at, all {} models show the same picture of \
@@ -228,22 +237,59 @@ fn agreement(sweep: &Sweep, quality: &SweepQuality) -> String {
     )
 }
 
-/// The plots with the names of their files, without `.svg`.
+/// What a look is, after the usual one: words, and a part of a file's name.
+fn other(look: Appearance) -> Option<(String, String)> {
+    let mut parts: Vec<(&str, &str)> = Vec::new();
+    if !look.foliage_has_levels {
+        parts.push(("foliage at full detail", "full-foliage"));
+    }
+    match look.trunk_has_levels {
+        None => {}
+        Some(true) => parts.push(("trunks that have levels", "trunks")),
+        Some(false) => parts.push(("trunks at full detail", "full-trunks")),
+    }
+    if look.vertices == Vertices::Quantised {
+        parts.push(("quantised vertices", "quantised"));
+    }
+    let (words, names): (Vec<&str>, Vec<&str>) = parts.into_iter().unzip();
+    (!words.is_empty()).then(|| (words.join(", "), names.join("-")))
+}
+
+/// What stands above the table of a look; nothing above that of the usual one.
+pub(super) fn quality_heading(look: Appearance) -> Option<String> {
+    other(look).map(|(words, _)| format!("With {words}, against full detail with exact vertices"))
+}
+
+/// The plots with the names of their files, without `.svg`, of each [look](SweepQuality::looks).
 #[must_use]
-pub fn quality_plots(quality: &SweepQuality) -> Vec<(&'static str, Plot)> {
-    let both = has_pruned(quality);
+pub fn quality_plots(quality: &SweepQuality) -> Vec<(String, Plot)> {
+    let of_look = |look: Appearance| {
+        let plots = look_plots(quality, look).into_iter();
+        plots.map(move |(name, mut plot)| match other(look) {
+            None => (name.to_owned(), plot),
+            Some((words, part)) => {
+                plot.title += &format!(" ({words})");
+                (format!("{name}-{part}"), plot)
+            }
+        })
+    };
+    quality.looks().into_iter().flat_map(of_look).collect()
+}
+
+fn look_plots(quality: &SweepQuality, look: Appearance) -> Vec<(&'static str, Plot)> {
+    let steps = quality.of_look(look);
+    let both = has_pruned(&steps);
     // A line of each foliage.
     let line = |name: &str, value: &dyn Fn(&StepQuality) -> f64| -> Vec<Series> {
-        let point = |step: &StepQuality| [detail(quality, step), value(step)];
+        let point = |step: &&StepQuality| [detail(quality, step), value(step)];
         let of = |pruned: bool| Series {
             name: match both {
                 true => format!("{name}, {}", foliage_name(pruned)),
                 false => name.to_owned(),
             },
-            points: quality
-                .steps
+            points: steps
                 .iter()
-                .filter(|step| step.pruned == pruned)
+                .filter(|step| step.appearance.pruned == pruned)
                 .map(point)
                 .collect(),
         };
@@ -306,14 +352,12 @@ pub fn quality_plots(quality: &SweepQuality) -> Vec<(&'static str, Plot)> {
 /// The part of the page.
 pub(super) fn quality_sections(sweep: &Sweep, quality: &SweepQuality) -> Vec<Section> {
     let heading = "What detail does to the picture".to_owned();
-    let mut sections = vec![
-        Section::Heading(heading),
-        Section::Table {
-            caption: String::new(),
-            table: quality_table(quality, usize::MAX),
-        },
-        Section::Text(CAPTION.to_owned()),
-    ];
+    let mut sections = vec![Section::Heading(heading)];
+    sections.extend(quality.looks().into_iter().map(|look| Section::Table {
+        caption: quality_heading(look).unwrap_or_default(),
+        table: quality_table(quality, look, usize::MAX),
+    }));
+    sections.push(Section::Text(CAPTION.to_owned()));
     sections.extend(quality_notes(sweep, quality).into_iter().map(Section::Text));
     let plots = quality_plots(quality).into_iter();
     sections.extend(plots.map(|(_, plot)| Section::Figure(plot.to_svg())));

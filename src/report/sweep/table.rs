@@ -1,7 +1,7 @@
 //! All models of a walk in one table, and what it says.
 
 use super::plots::records;
-use super::{changes, quality_notes, quality_table};
+use super::{changes, quality_heading, quality_notes, quality_table};
 use crate::gpu::{Link, Stream};
 use crate::models::Kind;
 use crate::report::run::{microseconds, note};
@@ -84,7 +84,10 @@ pub fn sweep_text(sweep: &Sweep, quality: Option<&SweepQuality>, width: usize) -
     let mut texts = sweep_table(sweep).to_parts(width);
     texts.push(lines(sweep_notes(sweep), ""));
     if let Some(quality) = quality {
-        texts.extend(quality_table(quality, TEXT_LEVELS).to_parts(width));
+        for look in quality.looks() {
+            texts.extend(quality_heading(look).map(|heading| heading + "\n"));
+            texts.extend(quality_table(quality, look, TEXT_LEVELS).to_parts(width));
+        }
         texts.push(lines(quality_notes(sweep, quality), ""));
     }
     texts.join("\n")
@@ -101,11 +104,14 @@ pub fn sweep_markdown(sweep: &Sweep, quality: Option<&SweepQuality>) -> String {
     let notes = lines(sweep_notes(sweep), "- ");
     let mut text = format!("{}\n{CAPTION}\n\n{notes}", sweep_table(sweep).to_markdown());
     if let Some(quality) = quality {
-        text += &format!(
-            "\n{}\n{}",
-            quality_table(quality, usize::MAX).to_markdown(),
-            lines(quality_notes(sweep, quality), "- ")
-        );
+        for look in quality.looks() {
+            if let Some(heading) = quality_heading(look) {
+                text += &format!("\n{heading}\n");
+            }
+            let table = quality_table(quality, look, usize::MAX);
+            text += &format!("\n{}", table.to_markdown());
+        }
+        text += &format!("\n{}", lines(quality_notes(sweep, quality), "- "));
     }
     text
 }

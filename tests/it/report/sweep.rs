@@ -202,7 +202,10 @@ fn pruned_foliage_is_looked_at_beside_the_scenes() {
         "lodf-stamps-pruned-u16",
     ];
     assert_eq!(labels.collect::<Vec<_>>(), wanted);
-    let steps = quality.steps.iter().map(|step| (step.pruned, step.step));
+    let steps = quality
+        .steps
+        .iter()
+        .map(|step| (step.appearance.pruned, step.step));
     let wanted = [(false, 0), (false, 4), (true, 0), (true, 4)];
     assert_eq!(steps.collect::<Vec<_>>(), wanted);
     assert_eq!(quality.plants, 1);
@@ -290,6 +293,108 @@ fn a_model_that_shows_something_else_is_named_and_not_judged() {
         notes[1].ends_with(&format!("{label} from step 4 on.")),
         "{notes:#?}"
     );
+}
+
+#[test]
+fn own_trunks_and_quantised_vertices_are_judged_by_pictures_of_their_own() {
+    let scene = scene("cluster", "uniform");
+    let mut world = world();
+    world.trunks = vec![Some(random_trunk(5))];
+    let labels = [
+        "lodf-stamps",
+        "full",
+        "lodf-cluster-u16-quantised",
+        "vdf-host+mom-host",
+        "full+lodstrips-cut-device",
+    ];
+    let variants = labels.map(|label| Variant::labelled(label).expect("a label"));
+    let walk = |shard| {
+        let options = SweepOptions {
+            variants: variants.to_vec(),
+            steps: 2,
+            shard,
+            session: options(&scene),
+        };
+        sweep(&scene, &world, &options, &Silent).expect("memory suffices")
+    };
+    let look = |shard| {
+        let options = LookOptions {
+            variants: variants.to_vec(),
+            steps: 2,
+            looks: 2,
+            shard,
+            session: options(&scene),
+        };
+        let mut meter = QualityMeter::default();
+        let take = |mut look: Look| -> Result<(), RunError> {
+            look.shots.truncate(1);
+            meter.add(look).expect("pictures of one size");
+            Ok(())
+        };
+        looks(&scene, &world, &options, &Silent, take).expect("memory suffices");
+        meter.finish()
+    };
+    let (whole, quality) = (walk(Shard::WHOLE), look(Shard::WHOLE));
+    assert_eq!(quality.looks().len(), 4);
+    assert_eq!((quality.plants, quality.steps.len()), (1, 4 * 3));
+    for model in &whole.models {
+        for step in &model.steps {
+            let label = model.variant.label();
+            assert_eq!(
+                quality.agrees(model, step),
+                Some(true),
+                "{label} {}",
+                step.step
+            );
+        }
+    }
+    let last = |place: usize| {
+        let model = &whole.models[place];
+        quality
+            .of(model, &model.steps[2])
+            .expect("it was looked at")
+    };
+    // Without levels nothing changes; with those of the trunk alone, only the scene does.
+    assert_eq!((last(1).frame.flip, last(1).foliage.flip.mean), (0.0, 0.0));
+    assert!(last(4).frame.flip > 0.0 && last(4).foliage.flip.mean == 0.0);
+    assert!(last(0).foliage == last(3).foliage && last(0).frame != last(3).frame);
+    let notes = quality_notes(&whole, &quality);
+    assert!(
+        notes[1].contains("all 5 models show the picture"),
+        "{notes:#?}"
+    );
+    let text = sweep_text(&whole, Some(&quality), 80);
+    assert!(
+        text.contains("\nWith quantised vertices, against full detail"),
+        "{text}"
+    );
+
+    let root = tempfile::tempdir().unwrap();
+    let write = |name: &str, shard: Shard| {
+        let target = root.path().join(name);
+        let folder = OutputFolder::create(&target).unwrap();
+        let (sweep, quality) = (walk(shard), look(shard));
+        write_sweep(&folder, &sweep_header(), &sweep, Some(&quality)).unwrap();
+        if shard != Shard::WHOLE {
+            let share = SweepShare {
+                shard,
+                steps: 2,
+                looks: Some(2),
+            };
+            write_sweep_shard(&folder, &sweep_header(), share, &sweep, Some(&quality)).unwrap();
+        }
+        folder.commit().unwrap();
+        target
+    };
+    let all = write("whole", Shard::WHOLE);
+    let shards = [0, 1].map(|index| write(&index.to_string(), Shard { index, count: 2 }));
+    let target = root.path().join("merged");
+    merge(&shards, |_, _| target.clone(), &Silent).unwrap();
+    assert!(
+        files(&all) == files(&target),
+        "the same files with the same bytes"
+    );
+    assert!(files(&all).contains_key("plots/quality-flip-full-foliage-trunks.svg"));
 }
 
 #[test]
