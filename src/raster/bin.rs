@@ -1,19 +1,20 @@
 //! What each tile must look at, in the order of submission.
 
+use std::ops::Range;
 use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
 use super::piece::Piece;
-use super::setup::{MOST_TRIANGLES, Triangle};
+use super::setup::MOST_TRIANGLES;
 use super::view::PixelBox;
 use crate::math::index_u32;
 
-/// A piece, whole or one of its triangles.
+/// A piece, whole, one of its triangles, or one run of its lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Entry {
     pub(super) piece: u32,
-    /// The triangle, or [`WHOLE`](Self::WHOLE).
+    /// The triangle, the [code](super::lines::Run::code) of a run, or [`WHOLE`](Self::WHOLE).
     pub(super) triangle: u32,
 }
 
@@ -39,8 +40,41 @@ pub(super) struct Grid {
 impl Grid {
     /// How many tiles some pixels lie on.
     pub(super) fn tiles_of(self, pixels: PixelBox) -> usize {
-        let [columns, rows] = tiles(self, pixels);
+        let [columns, rows] = self.tiles(pixels);
         columns.len() * rows.len()
+    }
+
+    /// The columns and rows of tiles that some pixels lie on.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_sign_loss,
+        reason = "boxes lie within the target, so nothing is negative"
+    )]
+    pub(super) fn tiles(self, pixels: PixelBox) -> [Range<usize>; 2] {
+        let tile = |pixel: i32| (pixel >> self.shift) as usize;
+        let range = |axis: usize| tile(pixels.first[axis])..tile(pixels.last[axis]) + 1;
+        [range(0), range(1)]
+    }
+
+    /// Whether no edge of a convex polygon of positive area has the whole tile outside.
+    pub(super) fn touches<const CORNERS: usize>(
+        self,
+        x: [i32; CORNERS],
+        y: [i32; CORNERS],
+        column: usize,
+        row: usize,
+    ) -> bool {
+        let side = i64::from(super::view::SUBPIXELS) << self.shift;
+        let [left, top] = [column, row].map(|tile| i64::from(index_u32(tile)) * side);
+        (0..CORNERS).all(|from| {
+            let to = (from + 1) % CORNERS;
+            let [x, y] = [x, y].map(|c| [i64::from(c[from]), i64::from(c[to])]);
+            let (dx, dy) = (x[1] - x[0], y[1] - y[0]);
+            // The corner of the tile that is furthest inside.
+            let px = if dy < 0 { left + side } else { left };
+            let py = if dx > 0 { top + side } else { top };
+            dx * (py - y[0]) - dy * (px - x[0]) >= 0
+        })
     }
 }
 
@@ -112,7 +146,7 @@ impl Part {
 fn visit(grid: Grid, first: usize, pieces: &[Piece<'_>], mut each: impl FnMut(usize, Entry)) {
     for (number, piece) in (index_u32(first)..).zip(pieces) {
         let Some(chunk) = &piece.sorted else {
-            let [columns, rows] = tiles(grid, piece.reach.pixels);
+            let [columns, rows] = grid.tiles(piece.reach.pixels);
             let count = index_u32(columns.len() * rows.len());
             piece.tiles.store(count, Ordering::Relaxed);
             for row in rows {
@@ -126,12 +160,19 @@ fn visit(grid: Grid, first: usize, pieces: &[Piece<'_>], mut each: impl FnMut(us
             }
             continue;
         };
+        for run in &piece.runs {
+            let entry = Entry {
+                piece: number,
+                triangle: run.code(),
+            };
+            each(run.tile as usize, entry);
+        }
         for (triangle, local) in chunk.triangles.iter().zip(0..) {
             let entry = Entry {
                 piece: number,
                 triangle: local,
             };
-            let [columns, rows] = tiles(grid, triangle.pixels);
+            let [columns, rows] = grid.tiles(triangle.pixels);
             if columns.len() == 1 && rows.len() == 1 {
                 each(rows.start * grid.columns + columns.start, entry);
                 continue;
@@ -139,37 +180,11 @@ fn visit(grid: Grid, first: usize, pieces: &[Piece<'_>], mut each: impl FnMut(us
             let apart = columns.len() > 1 && rows.len() > 1;
             for row in rows {
                 for column in columns.clone() {
-                    if !apart || touches(grid, triangle, column, row) {
+                    if !apart || grid.touches(triangle.x, triangle.y, column, row) {
                         each(row * grid.columns + column, entry);
                     }
                 }
             }
         }
     }
-}
-
-#[expect(
-    clippy::cast_sign_loss,
-    reason = "boxes lie within the target, so nothing is negative"
-)]
-fn tiles(grid: Grid, pixels: PixelBox) -> [std::ops::Range<usize>; 2] {
-    [0, 1].map(|axis| {
-        let tile = |pixel: i32| (pixel >> grid.shift) as usize;
-        tile(pixels.first[axis])..tile(pixels.last[axis]) + 1
-    })
-}
-
-/// Whether no edge has the whole tile outside.
-fn touches(grid: Grid, triangle: &Triangle, column: usize, row: usize) -> bool {
-    let side = i64::from(super::view::SUBPIXELS) << grid.shift;
-    let [left, top] = [column, row].map(|tile| i64::from(index_u32(tile)) * side);
-    (0..3).all(|from| {
-        let to = (from + 1) % 3;
-        let [x, y] = [triangle.x, triangle.y].map(|c| [i64::from(c[from]), i64::from(c[to])]);
-        let (dx, dy) = (x[1] - x[0], y[1] - y[0]);
-        // The corner of the tile that is furthest inside.
-        let px = if dy < 0 { left + side } else { left };
-        let py = if dx > 0 { top + side } else { top };
-        dx * (py - y[0]) - dy * (px - x[0]) >= 0
-    })
 }

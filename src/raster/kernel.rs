@@ -124,6 +124,8 @@ pub trait Kernel: Passes + Send + Sync + std::fmt::Debug {
     fn varyings(&self) -> usize;
     /// [`Fragment::FLATS`].
     fn flats(&self) -> usize;
+    /// [`Fragment::TESTS_ALPHA`].
+    fn tests_alpha(&self) -> bool;
 }
 
 impl<F: Fragment> Kernel for F {
@@ -133,5 +135,9 @@ impl<F: Fragment> Kernel for F {
 
     fn flats(&self) -> usize {
         F::FLATS
+    }
+
+    fn tests_alpha(&self) -> bool {
+        F::TESTS_ALPHA
     }
 }

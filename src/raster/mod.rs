@@ -70,6 +70,8 @@ mod frame;
 mod items;
 mod kernel;
 mod lanes;
+mod line_blend;
+mod lines;
 mod pass;
 mod piece;
 mod pixels;

@@ -14,13 +14,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::bin::Grid;
+use super::lines::{self, Run, are_lines};
 use super::reach::{Cover, Reach};
 use super::setup::{Chunk, Triangle, set_up};
 use super::view::View;
 use super::{Batch, Blend};
 use crate::math::index_u32;
 
-/// A part of a batch.
+/// A part of a batch; of lines, some parts.
 #[derive(Debug)]
 pub(super) struct Piece<'a> {
     pub(super) batch: u32,
@@ -28,6 +29,8 @@ pub(super) struct Piece<'a> {
     pub(super) reach: Reach,
     /// Its triangles, sorted into tiles one by one.
     pub(super) sorted: Option<Arc<Chunk<'a>>>,
+    /// Which of its lines may show on which tile, if they are sorted.
+    pub(super) runs: Vec<Run>,
     /// Its triangles while tiles want them that it may show on.
     made: Mutex<Option<Arc<Chunk<'a>>>>,
     /// How many of these are still to come.
@@ -47,7 +50,14 @@ pub(super) fn pieces<'a>(
 ) -> (Vec<Piece<'a>>, u64) {
     let parts = batches.iter().zip(0_u32..).flat_map(|(batch, number)| {
         let parts = batch.geometry.parts(batch.topology);
-        (0..index_u32(parts)).map(move |part| [number, part])
+        let together = if are_lines(view, batch) {
+            lines::parts_together(batch)
+        } else {
+            1
+        };
+        (0..index_u32(parts))
+            .step_by(together)
+            .map(move |part| [number, part])
     });
     let parts: Vec<[u32; 2]> = parts.collect();
     let taken = AtomicU64::new(0);
@@ -56,11 +66,12 @@ pub(super) fn pieces<'a>(
         |scratch, &[number, part]| -> Option<Piece<'a>> {
             let batch = &batches[number as usize];
             let hull = batch.geometry.hull(part as usize);
-            let piece = |reach, sorted| Piece {
+            let piece = |reach, sorted, runs| Piece {
                 batch: number,
                 part,
                 reach,
                 sorted,
+                runs,
                 made: Mutex::new(None),
                 tiles: AtomicU32::new(0),
             };
@@ -68,17 +79,39 @@ pub(super) fn pieces<'a>(
                 let reach = view.reach(&hull, batch.topology)?;
                 let few = batch.blend == Blend::Opaque && grid.tiles_of(reach.pixels) <= FEW_TILES;
                 if few {
-                    return Some(piece(reach, None));
+                    return Some(piece(reach, None, Vec::new()));
                 }
             }
-            let chunk = set_up(view, batch, [number, part], None, scratch);
-            let reach = chunk.reach()?;
+            let numbers = [number, part];
+            let chunk = make(view, batch, numbers, None, scratch);
+            let (reach, runs) = match chunk.reach() {
+                Some(reach) => (reach, Vec::new()),
+                None => chunk.lines.sort(view, grid)?,
+            };
             let bytes = chunk.bytes();
             let fits = taken.fetch_add(bytes, Ordering::Relaxed) + bytes <= most_bytes;
-            Some(piece(reach, fits.then(|| Arc::new(chunk))))
+            if !fits {
+                return Some(piece(reach, None, Vec::new()));
+            }
+            Some(piece(reach, Some(Arc::new(chunk)), runs))
         },
     );
     (found.flatten_iter().collect(), parts.len() as u64)
+}
+
+/// Sets up a part of a batch, of which both numbers are told, as lines or as triangles.
+fn make<'a>(
+    view: &View,
+    batch: &Batch<'a>,
+    numbers: [u32; 2],
+    cover: Option<&Cover<'_>>,
+    scratch: &mut Vec<Triangle>,
+) -> Chunk<'a> {
+    if are_lines(view, batch) {
+        lines::set_up(view, batch, numbers)
+    } else {
+        set_up(view, batch, numbers, cover, scratch)
+    }
 }
 
 impl<'a> Piece<'a> {
@@ -98,7 +131,7 @@ impl<'a> Piece<'a> {
         let chunk = made.get_or_insert_with(|| {
             let batch = &batches[self.batch as usize];
             let numbers = [self.batch, self.part];
-            Arc::new(set_up(view, batch, numbers, cover, scratch))
+            Arc::new(make(view, batch, numbers, cover, scratch))
         });
         Arc::clone(chunk)
     }

@@ -182,7 +182,7 @@ impl<const CORNERS: usize> Projection<CORNERS> {
     clippy::cast_possible_wrap,
     reason = "the integer lies in the last 32 bits"
 )]
-fn snap<S: Simd>(simd: S, subpixels: f64x8<S>, snapped: &mut [i32; TOGETHER]) {
+pub(super) fn snap<S: Simd>(simd: S, subpixels: f64x8<S>, snapped: &mut [i32; TOGETHER]) {
     let (least, greatest) = (f64x8::splat(simd, -FURTHEST), f64x8::splat(simd, FURTHEST));
     let kept = subpixels.max(least).min(greatest);
     let rounded: u64x8<S> = (kept + f64x8::splat(simd, ROUND)).bitcast();
@@ -198,6 +198,6 @@ fn snap<S: Simd>(simd: S, subpixels: f64x8<S>, snapped: &mut [i32; TOGETHER]) {
     clippy::cast_possible_truncation,
     reason = "depths are f32, rounded once"
 )]
-fn depth(depth: f64) -> f32 {
+pub(super) fn depth(depth: f64) -> f32 {
     clamp_depth(depth as f32)
 }

@@ -5,10 +5,11 @@ use std::borrow::Cow;
 use fearless_simd::{Simd, dispatch};
 
 use super::clip::{ClipVertex, MAX_PARTS};
+use super::lines::{Lines, stroke};
 use super::project::{Projection, TOGETHER};
 use super::reach::{Cover, Reach};
 use super::source::{PART, Part};
-use super::view::{PixelBox, Projected, SUBPIXELS, View, inverse_w, range_of, snap};
+use super::view::{PixelBox, Projected, View, inverse_w, range_of};
 use super::{Batch, Blend, Geometry, Key, MAX_FLATS, MAX_VARYINGS, Topology};
 use crate::math::{Vec4, index_u32};
 
@@ -55,6 +56,8 @@ pub struct Chunk<'a> {
     pub(super) geometry: Cow<'a, Geometry>,
     pub(super) triangles: Vec<Triangle>,
     pub(super) cut: CutVertices,
+    /// Lines that are no triangles.
+    pub(super) lines: Lines,
 }
 
 /// Vertices that clipping made.
@@ -148,6 +151,56 @@ pub(super) fn set_up<'a>(
         geometry,
         triangles,
         cut,
+        lines: Lines::default(),
+    }
+}
+
+/// A line of a chunk, with so many varyings, as two triangles in a chunk of their own.
+pub(super) fn unfold<'c>(
+    view: &View,
+    chunk: &'c Chunk<'_>,
+    place: usize,
+    count: usize,
+) -> Chunk<'c> {
+    let line = &chunk.lines.line(place, count);
+    let mut cut = CutVertices::default();
+    for (end, of_end) in chunk.lines.varyings(place, count).into_iter().enumerate() {
+        let mut varyings = [0.0; MAX_VARYINGS];
+        for (varying, &bits) in varyings[..count].iter_mut().zip(of_end) {
+            *varying = f32::from_bits(bits);
+        }
+        cut.inverse_w.push(line.inverse_w[end]);
+        cut.varyings.push(varyings);
+    }
+    let mut builder = Builder {
+        view,
+        geometry: &chunk.geometry,
+        varyings: 0,
+        cover: None,
+        triangles: Vec::new(),
+        cut,
+    };
+    let source = Source {
+        primitive: line.primitive,
+        // Blended triangles have no key.
+        vertex: 0,
+        part: 0,
+        cut: true,
+    };
+    let corner = |corner: usize, end: usize| Projected {
+        x: line.x[corner],
+        y: line.y[corner],
+        depth: line.depth[end],
+    };
+    let rectangle = [corner(0, 0), corner(1, 1), corner(2, 1), corner(3, 0)];
+    builder.rectangle(rectangle, 0, source);
+    Chunk {
+        batch: chunk.batch,
+        part: chunk.part,
+        triangles: builder.triangles,
+        cut: builder.cut,
+        geometry: Cow::Borrowed(&chunk.geometry),
+        lines: Lines::default(),
     }
 }
 
@@ -161,7 +214,7 @@ fn are_large(triangles: &[Triangle]) -> bool {
     triangles.iter().map(area).sum::<i64>() > PIXELS * triangles.len() as i64
 }
 
-fn check(batch: &Batch<'_>, geometry: &Geometry) {
+pub(super) fn check(batch: &Batch<'_>, geometry: &Geometry) {
     let (varyings, flats) = (batch.kernel.varyings(), batch.kernel.flats());
     assert!(
         varyings <= MAX_VARYINGS && flats <= MAX_FLATS,
@@ -198,7 +251,7 @@ impl Chunk<'_> {
             Cow::Borrowed(_) => 0,
             Cow::Owned(geometry) => geometry.bytes(),
         };
-        geometry + (self.triangles.len() * size_of::<Triangle>()) as u64
+        geometry + self.lines.bytes() + (self.triangles.len() * size_of::<Triangle>()) as u64
     }
 }
 
@@ -320,55 +373,27 @@ impl Builder<'_> {
         }
     }
 
-    /// A line as the rectangle of width 1 around it, its ends cut square.
+    /// A line as the rectangle of width 1 around it.
     fn line(&mut self, primitive: u32, corners: [u32; 2]) {
-        let id = |corner: u32| self.geometry.vertex_ids.get(corner as usize).copied();
-        let [Some(vertex), Some(other)] = corners.map(id) else {
+        let Some(stroke) = stroke(self.view, self.geometry, corners) else {
             return;
-        };
-        let [a, b] = corners;
-        let corners = if vertex <= other { [a, b] } else { [b, a] };
-        let clip = corners.map(|corner| self.geometry.clip[corner as usize]);
-        if !clip.iter().all(|position| position.is_finite()) {
-            return;
-        }
-        let positions = clip.map(widen);
-        let Some(ends) = self.view.volume.clip_line(positions) else {
-            return;
-        };
-        let [from, to] = ends.map(|end| self.view.subpixels(end.position));
-        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-        let length = (dx * dx + dy * dy).sqrt();
-        if length == 0.0 {
-            return;
-        }
-        // Half a pixel to the side on which the rectangle turns counter-clockwise to the eye.
-        let half = f64::from(SUBPIXELS / 2);
-        let side = [dy / length * half, -dx / length * half];
-        let [a, b] = ends.map(|end| self.view.project(end.position));
-        let beside = |end: Projected, at: [f64; 2], sign: f64| Projected {
-            x: snap(at[0] + sign * side[0]),
-            y: snap(at[1] + sign * side[1]),
-            ..end
         };
         let first = index_u32(self.cut.inverse_w.len());
-        for end in &ends {
-            let corners = [corners[0], corners[1], corners[1]];
-            self.cut.push(self.geometry, self.varyings, corners, end);
+        for end in &stroke.ends {
+            self.cut
+                .push_end(self.geometry, self.varyings, stroke.corners, end);
         }
         let source = Source {
             primitive,
-            vertex,
+            vertex: stroke.vertex,
             part: 0,
             cut: true,
         };
-        let rectangle = [
-            beside(a, from, -1.0),
-            beside(b, to, -1.0),
-            beside(b, to, 1.0),
-            beside(a, from, 1.0),
-        ];
-        let [p, q, r, s] = rectangle;
+        self.rectangle(stroke.rectangle, first, source);
+    }
+
+    /// The rectangle of a line of which the ends are two cut vertices.
+    fn rectangle(&mut self, [p, q, r, s]: [Projected; 4], first: u32, source: Source) {
         self.emit([p, q, r], [first, first + 1, first + 1], source);
         self.emit([p, r, s], [first, first + 1, first], source);
     }
@@ -428,6 +453,17 @@ struct Source {
 }
 
 impl CutVertices {
+    /// The end of a line.
+    pub(super) fn push_end(
+        &mut self,
+        geometry: &Geometry,
+        count: usize,
+        [a, b]: [u32; 2],
+        end: &ClipVertex,
+    ) {
+        self.push(geometry, count, [a, b, b], end);
+    }
+
     #[expect(
         clippy::cast_possible_truncation,
         reason = "attributes are f32, rounded once"
@@ -465,7 +501,7 @@ fn lowest_first(geometry: &Geometry, corners: [u32; 3]) -> Option<([u32; 3], u32
 }
 
 #[inline]
-fn widen(position: Vec4) -> [f64; 4] {
+pub(super) fn widen(position: Vec4) -> [f64; 4] {
     let Vec4 { x, y, z, w } = position;
     [x.into(), y.into(), z.into(), w.into()]
 }

@@ -10,6 +10,7 @@ use super::bin::Entry;
 use super::cover::Candidates;
 use super::frame::{BLOCK_SIDE, NOTHING};
 use super::items::{Item, Items, NOBODY, each_owner};
+use super::lines::Run;
 use super::piece::Piece;
 use super::probe::Point;
 use super::reach::Cover;
@@ -156,6 +157,18 @@ pub struct Choice<'c> {
 }
 
 impl Choice<'_> {
+    /// All triangles.
+    pub(super) const ALL: Self = Self { entries: None };
+
+    /// The runs of lines among some, told by their numbers.
+    #[inline(always)]
+    pub(super) fn run(self, place: usize, chunk: &Chunk<'_>) -> Option<Range<usize>> {
+        match self.entries {
+            None => (place == 0).then_some(0..chunk.lines.count()),
+            Some(entries) => entries.get(place).map(|entry| Run::lines(entry.triangle)),
+        }
+    }
+
     /// How many triangles there are.
     #[inline(always)]
     pub(super) fn count(self, chunk: &Chunk<'_>) -> usize {
@@ -290,19 +303,50 @@ impl<'t, 'a> Tile<'t, 'a> {
         self.scratch.chunks.clear();
     }
 
-    fn blend(&mut self, range: Range<usize>) {
-        self.list_visits(range);
-        let visits = std::mem::take(&mut self.scratch.visits);
-        for visit in &visits {
-            let piece = &self.scene.pieces[visit.piece as usize];
-            let (chunk, choice) = self.look_up(visit, false);
-            let kernel = self.scene.batches[piece.batch as usize].kernel;
-            kernel.blend(self, &chunk, choice);
-            if piece.sorted.is_none() {
-                piece.done();
+    /// Waits for the lines of some entries all at once: they lie far apart.
+    fn fetch(&self, entries: Range<usize>) {
+        let mut read = 0;
+        for entry in &self.entries[entries] {
+            if let Some(chunk) = &self.scene.pieces[entry.piece as usize].sorted {
+                read ^= chunk.lines.fetch(Run::lines(entry.triangle));
             }
         }
-        self.scratch.visits = visits;
+        std::hint::black_box(read);
+    }
+
+    /// Blends pieces in their order.
+    fn blend(&mut self, range: Range<usize>) {
+        /// How many entries are read ahead.
+        const AHEAD: usize = 16;
+        let scene = self.scene;
+        let (mut first, mut read) = (range.start, range.start);
+        while first < range.end {
+            if first >= read {
+                read = range.end.min(first + AHEAD);
+                self.fetch(first..read);
+            }
+            let number = self.entries[first].piece;
+            let of_piece = |entry: &Entry| entry.piece == number;
+            let count = self.entries[first..range.end]
+                .iter()
+                .position(|entry| !of_piece(entry));
+            let end = count.map_or(range.end, |count| first + count);
+            let piece = &scene.pieces[number as usize];
+            let kernel = scene.batches[piece.batch as usize].kernel;
+            let entries = &self.entries[first..end];
+            if let Some(chunk) = &piece.sorted {
+                let choice = Choice {
+                    entries: Some(entries),
+                };
+                kernel.blend(self, chunk, choice);
+            } else {
+                let triangles = &mut self.scratch.triangles;
+                let chunk = piece.chunk(&scene.view, scene.batches, None, triangles);
+                kernel.blend(self, &chunk, Choice::ALL);
+                piece.done();
+            }
+            first = end;
+        }
     }
 
     /// Enters a triangle of the chunk in work among the winners; answers what its samples are marked
@@ -487,6 +531,12 @@ impl<F: super::Fragment> Passes for F {
     }
 
     fn blend(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>) {
+        if chunk.lines.count() > 0 {
+            let level = tile.scene.view.level;
+            return dispatch!(level, simd => {
+                super::line_blend::blend::<_, F>(simd, self, tile, chunk, choice);
+            });
+        }
         match tile.scene.samples {
             Samples::One => super::shade::blend::<F, 1>(self, tile, chunk, choice),
             Samples::Four => super::shade::blend::<F, 4>(self, tile, chunk, choice),

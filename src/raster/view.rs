@@ -18,6 +18,7 @@ pub(super) struct View {
     pub(super) volume: Volume,
     /// The first and last sub-pixel of a pixel that has a sample, along each axis.
     samples: [i32; 2],
+    count: Samples,
     /// Which instructions may be used.
     pub(super) level: Level,
 }
@@ -38,6 +39,7 @@ impl View {
             },
             half: [half(width), half(height)],
             volume: Volume::new(width, height),
+            count: samples,
             level: Level::new(),
             samples: [across.clone().min().unwrap_or(0), across.max().unwrap_or(0)],
         }
@@ -58,6 +60,11 @@ impl View {
     #[inline(always)]
     pub(super) fn samples(&self) -> [i32; 2] {
         self.samples
+    }
+
+    /// How many samples a pixel has.
+    pub(super) fn count(&self) -> Samples {
+        self.count
     }
 
     /// Half the target in sub-pixels.

@@ -1,6 +1,7 @@
 //! The rasterizer against closed forms, drawn pictures and properties.
 
 mod determinism;
+mod lines;
 mod pictures;
 mod properties;
 mod rules;
