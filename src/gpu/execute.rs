@@ -131,10 +131,11 @@ fn batches<'b>(
     sources: &'b [DrawSource<'_>],
     kernels: &'b [Box<dyn Kernel + '_>],
 ) -> Vec<Batch<'b>> {
-    let batch = |(source, kernel): (&'b DrawSource<'_>, &'b Box<dyn Kernel + '_>)| Batch {
+    let kernels = kernels.iter().map(|kernel| &**kernel);
+    let batch = |(source, kernel): (&'b DrawSource<'_>, &'b dyn Kernel)| Batch {
         geometry: source,
         topology: source.draw.topology,
-        kernel: &**kernel,
+        kernel,
         blend: source.draw.state.program.layout().blend,
         group: source.draw.group,
         instance: source.draw.instance,
@@ -161,7 +162,7 @@ impl DrawSource<'_> {
         let emitted = parts
             .into_par_iter()
             .map(|part| self.emit(part).clip.len() as u64);
-        emitted.sum()
+        emitted.collect::<Vec<u64>>().into_iter().sum()
     }
 }
 

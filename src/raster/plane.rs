@@ -213,15 +213,16 @@ impl<'a> Attributes<'a> {
         let one = f32x8::splat(simd, 1.0);
         let w = one / self.inverse_w.lanes(simd, edges);
         let mut varyings = [f32x8::splat(simd, 0.0); MAX_VARYINGS];
-        for k in 0..F::VARYINGS {
-            varyings[k] = self.varyings[k].lanes(simd, edges) * w;
+        let planes = &self.varyings[..F::VARYINGS];
+        for (varying, plane) in varyings.iter_mut().zip(planes) {
+            *varying = plane.lanes(simd, edges) * w;
         }
         let mut derivatives = [[f32x8::splat(simd, 0.0); 2]; 2];
-        for step in 0..2 {
-            let change_of_inverse = f32x8::splat(simd, self.inverse_w.change(self.steps[step]));
-            for k in 0..if F::VARYINGS < 2 { F::VARYINGS } else { 2 } {
-                let change = f32x8::splat(simd, self.varyings[k].change(self.steps[step]));
-                derivatives[step][k] = (change - varyings[k] * change_of_inverse) * w;
+        for (derivatives, step) in derivatives.iter_mut().zip(self.steps) {
+            let change_of_inverse = f32x8::splat(simd, self.inverse_w.change(step));
+            for ((derivative, varying), plane) in derivatives.iter_mut().zip(varyings).zip(planes) {
+                let change = f32x8::splat(simd, plane.change(step));
+                *derivative = (change - varying * change_of_inverse) * w;
             }
         }
         PixelLanes {

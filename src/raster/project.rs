@@ -101,8 +101,8 @@ impl<const CORNERS: usize> Projection<CORNERS> {
         snap(simd, down, &mut self.y[corner]);
         let mut depths = [0.0; TOGETHER];
         (z * inverse_w).store_slice(&mut depths);
-        for lane in 0..TOGETHER {
-            self.depth[corner][lane] = depth(depths[lane]);
+        for (kept, computed) in self.depth[corner].iter_mut().zip(depths) {
+            *kept = depth(computed);
         }
         within
     }

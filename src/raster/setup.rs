@@ -206,12 +206,13 @@ pub(super) fn unfold<'c>(
 
 /// Whether triangles are so large that those in front hide many pixels of those behind them.
 fn are_large(triangles: &[Triangle]) -> bool {
-    const PIXELS: i64 = 64;
+    const PIXELS: usize = 64;
     let area = |triangle: &Triangle| {
         let PixelBox { first, last } = triangle.pixels;
-        i64::from(last[0] - first[0] + 1) * i64::from(last[1] - first[1] + 1)
+        let side = |axis: usize| (last[axis] - first[axis] + 1).unsigned_abs() as usize;
+        side(0) * side(1)
     };
-    triangles.iter().map(area).sum::<i64>() > PIXELS * triangles.len() as i64
+    triangles.iter().map(area).sum::<usize>() > PIXELS * triangles.len()
 }
 
 pub(super) fn check(batch: &Batch<'_>, geometry: &Geometry) {

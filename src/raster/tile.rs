@@ -235,7 +235,7 @@ impl<'t, 'a> Tile<'t, 'a> {
     }
 
     /// The triangles of a visit, and which of them matter.
-    fn look_up(&mut self, visit: &Visit, hides: bool) -> (Arc<Chunk<'a>>, Choice<'t>) {
+    fn look_up(&mut self, visit: Visit, hides: bool) -> (Arc<Chunk<'a>>, Choice<'t>) {
         let piece = &self.scene.pieces[visit.piece as usize];
         let cover = Cover {
             pixels: self.pixels,
@@ -268,7 +268,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             if hidden {
                 self.scratch.skips.hidden += 1;
             } else {
-                let (chunk, choice) = self.look_up(visit, !exact);
+                let (chunk, choice) = self.look_up(*visit, !exact);
                 let kernel = self.scene.batches[piece.batch as usize].kernel;
                 let winners = self.scratch.winners.len();
                 kernel.cover(self, &chunk, choice);
