@@ -14,8 +14,8 @@ use std::ops::Range;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, dispatch, f64x8};
 
 use super::bin::Grid;
-use super::clip::{ClipVertex, LEAST_W};
-use super::project::{TOGETHER, depth, snap as snap_lanes};
+use super::clip::ClipVertex;
+use super::project::{Onto, TOGETHER, snap as snap_lanes};
 use super::reach::Reach;
 use super::setup::{Chunk, CutVertices, check, widen};
 use super::source::{PART, Part};
@@ -492,40 +492,20 @@ impl End {
                 *at = f64::from(clip);
             }
         }
-        let [x, y, z, w] = [
+        let lanes = [
             f64x8::from_slice(simd, &at[0]),
             f64x8::from_slice(simd, &at[1]),
             f64x8::from_slice(simd, &at[2]),
             f64x8::from_slice(simd, &at[3]),
         ];
-        let zero = f64x8::splat(simd, 0.0);
-        let guard = view.volume.guard();
-        let wide = [
-            f64x8::splat(simd, guard[0]) * w,
-            f64x8::splat(simd, guard[1]) * w,
-        ];
-        // What is no number or infinite fails one of these, but w alone, which the last one catches.
-        let within = w.simd_ge(f64x8::splat(simd, LEAST_W)).to_bitmask()
-            & z.simd_ge(zero).to_bitmask()
-            & z.simd_le(w).to_bitmask()
-            & x.simd_le(wide[0]).to_bitmask()
-            & (zero - x).simd_le(wide[0]).to_bitmask()
-            & y.simd_le(wide[1]).to_bitmask()
-            & (zero - y).simd_le(wide[1]).to_bitmask()
-            & w.simd_lt(f64x8::splat(simd, f64::INFINITY)).to_bitmask();
-        let over_w = f64x8::splat(simd, 1.0) / w;
-        let half = view.half();
-        let (width, height) = (f64x8::splat(simd, half[0]), f64x8::splat(simd, half[1]));
-        let across = width + x * over_w * width;
-        let down = height - y * over_w * height;
-        let (mut depths, mut over) = ([0.0; TOGETHER], [0.0; TOGETHER]);
-        (z * over_w).store_slice(&mut depths);
-        over_w.store_slice(&mut over);
-        for lane in 0..TOGETHER {
-            self.depth[lane] = depth(depths[lane]);
-            self.inverse_w[lane] = rounded(over[lane]);
+        let onto = Onto::the_target(simd, view, lanes);
+        self.depth = onto.depth;
+        let mut over = [0.0; TOGETHER];
+        onto.inverse_w.store_slice(&mut over);
+        for (kept, over) in self.inverse_w.iter_mut().zip(over) {
+            *kept = rounded(over);
         }
-        (within, [across, down])
+        (onto.within, onto.at)
     }
 }
 

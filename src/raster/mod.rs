@@ -1,7 +1,7 @@
 //! Triangles to tiles to pixels, with the same bits on any machine and any number of threads.
 //!
 //! ```text
-//! Batch (clip-space vertices, corners, kernel) ─set up─▶ triangles ─bin─▶ tiles
+//! Batch (parts of primitives, kernel) ─reach─▶ pieces ─bin─▶ tiles ─set up what is not hidden─▶ triangles
 //!   ─cover─▶ visibility (depth, primitive) ─shade─▶ colour ─resolve─▶ Image
 //! ```
 //!

@@ -75,36 +75,13 @@ impl<const CORNERS: usize> Projection<CORNERS> {
         simd: S,
         view: &View,
         corner: usize,
-        [x, y, z, w]: [f64x8<S>; 4],
+        lanes: [f64x8<S>; 4],
     ) -> u64 {
-        let zero = f64x8::splat(simd, 0.0);
-        let guard = view.volume.guard();
-        let wide = [
-            f64x8::splat(simd, guard[0]) * w,
-            f64x8::splat(simd, guard[1]) * w,
-        ];
-        // What is no number or infinite fails one of these, but w alone, which the last one catches.
-        let within = w.simd_ge(f64x8::splat(simd, LEAST_W)).to_bitmask()
-            & z.simd_ge(zero).to_bitmask()
-            & z.simd_le(w).to_bitmask()
-            & x.simd_le(wide[0]).to_bitmask()
-            & (zero - x).simd_le(wide[0]).to_bitmask()
-            & y.simd_le(wide[1]).to_bitmask()
-            & (zero - y).simd_le(wide[1]).to_bitmask()
-            & w.simd_lt(f64x8::splat(simd, f64::INFINITY)).to_bitmask();
-        let inverse_w = f64x8::splat(simd, 1.0) / w;
-        let half = view.half();
-        let (width, height) = (f64x8::splat(simd, half[0]), f64x8::splat(simd, half[1]));
-        let across = width + x * inverse_w * width;
-        let down = height - y * inverse_w * height;
-        snap(simd, across, &mut self.x[corner]);
-        snap(simd, down, &mut self.y[corner]);
-        let mut depths = [0.0; TOGETHER];
-        (z * inverse_w).store_slice(&mut depths);
-        for (kept, computed) in self.depth[corner].iter_mut().zip(depths) {
-            *kept = depth(computed);
-        }
-        within
+        let onto = Onto::the_target(simd, view, lanes);
+        snap(simd, onto.at[0], &mut self.x[corner]);
+        snap(simd, onto.at[1], &mut self.y[corner]);
+        self.depth[corner] = onto.depth;
+        onto.within
     }
 
     /// A bit for each whose box holds a sample.
@@ -175,6 +152,55 @@ impl<const CORNERS: usize> Projection<CORNERS> {
     }
 }
 
+/// Eight vertices on the target, not snapped yet.
+pub(super) struct Onto<S: Simd> {
+    /// A bit for each that needs no cut.
+    pub(super) within: u64,
+    /// Where they lie, in sub-pixels.
+    pub(super) at: [f64x8<S>; 2],
+    pub(super) depth: [f32; TOGETHER],
+    /// One over `w`.
+    pub(super) inverse_w: f64x8<S>,
+}
+
+impl<S: Simd> Onto<S> {
+    #[inline(always)]
+    pub(super) fn the_target(simd: S, view: &View, [x, y, z, w]: [f64x8<S>; 4]) -> Self {
+        let zero = f64x8::splat(simd, 0.0);
+        let guard = view.volume.guard();
+        let wide = [
+            f64x8::splat(simd, guard[0]) * w,
+            f64x8::splat(simd, guard[1]) * w,
+        ];
+        // What is no number or infinite fails one of these, but w alone, which the last one catches.
+        let within = w.simd_ge(f64x8::splat(simd, LEAST_W)).to_bitmask()
+            & z.simd_ge(zero).to_bitmask()
+            & z.simd_le(w).to_bitmask()
+            & x.simd_le(wide[0]).to_bitmask()
+            & (zero - x).simd_le(wide[0]).to_bitmask()
+            & y.simd_le(wide[1]).to_bitmask()
+            & (zero - y).simd_le(wide[1]).to_bitmask()
+            & w.simd_lt(f64x8::splat(simd, f64::INFINITY)).to_bitmask();
+        let inverse_w = f64x8::splat(simd, 1.0) / w;
+        let half = view.half();
+        let (width, height) = (f64x8::splat(simd, half[0]), f64x8::splat(simd, half[1]));
+        let across = width + x * inverse_w * width;
+        let down = height - y * inverse_w * height;
+        let mut computed = [0.0; TOGETHER];
+        (z * inverse_w).store_slice(&mut computed);
+        let mut depths = [0.0; TOGETHER];
+        for (kept, computed) in depths.iter_mut().zip(computed) {
+            *kept = depth(computed);
+        }
+        Self {
+            within,
+            at: [across, down],
+            depth: depths,
+            inverse_w,
+        }
+    }
+}
+
 /// As [`snap`](super::view::snap) does.
 #[inline(always)]
 #[expect(
@@ -198,6 +224,6 @@ pub(super) fn snap<S: Simd>(simd: S, subpixels: f64x8<S>, snapped: &mut [i32; TO
     clippy::cast_possible_truncation,
     reason = "depths are f32, rounded once"
 )]
-pub(super) fn depth(depth: f64) -> f32 {
+fn depth(depth: f64) -> f32 {
     clamp_depth(depth as f32)
 }

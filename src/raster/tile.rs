@@ -235,14 +235,15 @@ impl<'t, 'a> Tile<'t, 'a> {
     }
 
     /// The triangles of a visit, and which of them matter.
-    fn look_up(&mut self, visit: Visit, hides: bool) -> (Arc<Chunk<'a>>, Choice<'t>) {
+    fn look_up(&mut self, visit: Visit) -> (Arc<Chunk<'a>>, Choice<'t>) {
         let piece = &self.scene.pieces[visit.piece as usize];
         let cover = Cover {
             pixels: self.pixels,
             origin: self.origin,
             depth: self.depth,
         };
-        let cover = (hides && self.scene.samples == Samples::One).then_some(&cover);
+        let exact = self.scene.counters == Counters::Exact;
+        let cover = (!exact && self.scene.samples == Samples::One).then_some(&cover);
         let triangles = &mut self.scratch.triangles;
         let chunk = piece.chunk(&self.scene.view, self.scene.batches, cover, triangles);
         let [first, end] = visit.entries.map(|place| place as usize);
@@ -268,7 +269,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             if hidden {
                 self.scratch.skips.hidden += 1;
             } else {
-                let (chunk, choice) = self.look_up(*visit, !exact);
+                let (chunk, choice) = self.look_up(*visit);
                 let kernel = self.scene.batches[piece.batch as usize].kernel;
                 let winners = self.scratch.winners.len();
                 kernel.cover(self, &chunk, choice);
