@@ -2,7 +2,7 @@
 
 use super::bus::{Part, RecordingEntry, ResourceId};
 use super::ledger::{Cause, Stream};
-use super::pass::{Command, RenderPass};
+use super::pass::{Command, ComputeStep, RenderPass};
 use super::{BufferId, Device, GpuError, Residency, TextureId, Usage, dispatch, execute};
 
 /// The queue of a device.
@@ -180,8 +180,19 @@ impl<'d> Queue<'d> {
     /// # Errors
     ///
     /// As [`submit`](Self::submit); and [`GpuError::Unsupported`] under exact counters, which are of
-    /// samples.
+    /// samples, or for a compute pass that reads a depth, which nobody draws.
     pub fn tally(&mut self, commands: &[Command]) -> Result<(), GpuError> {
+        let reads_depth = |command: &Command| match command {
+            Command::Compute(pass) => {
+                let mut steps = pass.steps.iter();
+                steps.any(|step| matches!(step, ComputeStep::Depth { .. }))
+            }
+            _ => false,
+        };
+        if commands.iter().any(reads_depth) {
+            let what = "a compute pass over a depth that is not drawn".to_owned();
+            return Err(GpuError::Unsupported { what });
+        }
         self.submit_with(commands, execute::tally)
     }
 

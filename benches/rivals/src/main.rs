@@ -43,8 +43,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (path, out) = (Path::new(&scene), PathBuf::from(out));
     let wanted = arguments.next().unwrap_or_default();
     let scene = Scene::read(path)?;
-    std::fs::create_dir_all(out.join("pictures"))?;
     let world = World::build(&scene, path.parent().unwrap_or(Path::new("")), &Silent)?;
+    let names: Vec<&str> = world
+        .crowns
+        .iter()
+        .map(|crown| crown.plant().name())
+        .collect();
+    if !names.iter().any(|name| name.contains(&wanted)) {
+        return Err(format!(
+            "no plant's name has {wanted:?} in it; there are {}",
+            names.join(", ")
+        )
+        .into());
+    }
+    std::fs::create_dir_all(out.join("pictures"))?;
     let mut rows = Vec::new();
     for crown in &world.crowns {
         if crown.plant().name().contains(&wanted) {

@@ -193,6 +193,8 @@ fn the_depth_of_a_target_is_read_and_counted_sample_by_sample() {
         let ledger = device.take_ledger();
         assert_eq!(ledger.compute.bytes, 8 * bytes + 12 * 4);
         assert_eq!(ledger.command_bytes, 24 + 3 * 8 + 16);
+        let tallied = device.queue().tally(&[pass(&read)]);
+        assert!(matches!(tallied, Err(GpuError::Unsupported { .. })));
         // A buffer is no depth, and a depth is no buffer.
         let mut refused = |steps: &[ComputeStep]| {
             let error = device.queue().submit(&[pass(steps)]);
