@@ -1,4 +1,18 @@
 //! A scene on a device, frame by frame.
+//!
+//! ```text
+//! new: uploads ─▶ for each frame: detail (select, afford, commit) ─▶ draw ─▶ Frame
+//! ```
+//!
+//! **Invariant.** Whatever a session sends goes through its device's queue, and what it creates has an
+//! [`Owner`].
+
+mod detail;
+mod owner;
+
+pub use owner::Owner;
+
+use owner::Owners;
 
 use super::RunError;
 use super::frame::Frame;
@@ -10,13 +24,13 @@ use crate::gpu::{
     Command, Device, DeviceDescriptor, Ledger, Load, ProbedFragment, RenderPass, ResourceId,
     TargetDescriptor, TargetId,
 };
-use crate::math::{Vec4, index_u32, whole_u32};
+use crate::math::{Vec4, index_u32};
 use crate::models::{
-    Camera, Criterion, Environment, Extent, Ground, Kind, LEAF_GROUP, Occlusion, Placement,
-    Resident, Shared, State, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
+    Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Placement, Resident, Shared,
+    TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
 };
 use crate::raster::{Samples, decode_srgb};
-use crate::scene::{self, ImageSize, SampleCount, Scene};
+use crate::scene::{ImageSize, SampleCount, Scene};
 
 /// A scene on a device.
 #[derive(Debug)]
@@ -42,38 +56,7 @@ pub struct Session<'w> {
 }
 
 /// The target's label.
-pub(super) const FRAME: &str = "frame";
-
-/// How many collapses stand at a level from 0 to 1.
-fn share_of(level: f32, all: u32) -> u32 {
-    whole_u32(f64::from(level) * f64::from(all))
-}
-
-/// What a buffer or texture of a session belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Owner {
-    /// The whole scene: the view, where trees stand.
-    Scene,
-    /// All trees of a plant, by its number in [`World::crowns`].
-    Plant(usize),
-    /// One tree, by its number in [`World::trees`].
-    Tree(u32),
-}
-
-/// Owners in the order of creation; handles count in the same order.
-#[derive(Debug, Default)]
-struct Owners {
-    buffers: Vec<Owner>,
-    textures: Vec<Owner>,
-}
-
-impl Owners {
-    /// What was created since the last call belongs to `owner`.
-    fn claim(&mut self, device: &Device, owner: Owner) {
-        self.buffers.resize(device.buffers().count(), owner);
-        self.textures.resize(device.textures().count(), owner);
-    }
-}
+pub(in crate::run) const FRAME: &str = "frame";
 
 /// Whether a session records what it sends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -254,11 +237,7 @@ impl<'w> Session<'w> {
     /// What a buffer or texture belongs to; those that the session did not make, to the scene.
     #[must_use]
     pub fn owner(&self, resource: ResourceId) -> Owner {
-        let (owners, index) = match resource {
-            ResourceId::Buffer(buffer) => (&self.owners.buffers, buffer.index()),
-            ResourceId::Texture(texture, _) => (&self.owners.textures, texture.index()),
-        };
-        owners.get(index as usize).copied().unwrap_or(Owner::Scene)
+        self.owners.of(resource)
     }
 
     /// Forgets what was recorded and records on.
@@ -270,144 +249,6 @@ impl<'w> Session<'w> {
     #[must_use]
     pub fn target(&self) -> TargetId {
         self.target
-    }
-
-    /// The state of every tree at a frame, from what stands: the first is chosen freely, and what a
-    /// scene's band of hysteresis holds back stays. A budget of bytes is not looked at.
-    #[must_use]
-    pub fn select(&self, frame: u32) -> Vec<TreeState> {
-        let model = &self.scene.model;
-        let view = self.scene.camera.at(frame, self.size);
-        let state = |(number, tree): (usize, &super::StandingTree)| {
-            let crown = &self.world.crowns[tree.crown];
-            let all = crown.sequence().collapse_count();
-            let present = self.residents.get(number).map(|resident| resident.state());
-            // What foliage with levels shows, and how far the trunk goes with it.
-            let axis = self.selector.chosen(crown, tree, &view, present);
-            let trunk = self.world.trunks[tree.crown].as_ref();
-            let trunk = trunk.filter(|_| self.trunk.has_levels());
-            TreeState {
-                trunk: trunk.map_or(TrunkLevel::FINEST, |trunk| match model.trunk_level {
-                    Some(level) => TrunkLevel {
-                        collapses: share_of(level, trunk.collapses().collapse_count()),
-                    },
-                    None => trunk.level(axis.collapse_count(), all),
-                }),
-                foliage: if self.kind.has_levels() {
-                    axis
-                } else {
-                    State::FINEST
-                },
-            }
-        };
-        self.world.trees.iter().enumerate().map(state).collect()
-    }
-
-    /// Goes over to the detail of a frame, as far as the scene's budget of bytes allows; what it
-    /// costs is counted with the next frame drawn, or dropped by [`skip`](Self::skip).
-    ///
-    /// # Errors
-    ///
-    /// None on this session's own device.
-    pub fn commit(&mut self, frame: u32) -> Result<TreeChange, RunError> {
-        let mut states = self.select(frame);
-        if let Some(camera) = self.selecting_camera(frame) {
-            return self.follow(camera, &states);
-        }
-        if let Some(budget) = self.scene.model.budget_bytes {
-            let view = self.scene.camera.at(frame, self.size);
-            self.deferred = Some(self.afford(&mut states, budget, &view));
-        }
-        self.commit_states(&states)
-    }
-
-    /// Sends the camera, by which the device goes over to these states of foliage itself; trunks are
-    /// sent theirs.
-    fn follow(&mut self, camera: Camera, states: &[TreeState]) -> Result<TreeChange, RunError> {
-        let mut queue = self.device.queue();
-        if self.camera != Some(camera) {
-            self.environment.set_camera(&mut queue, &camera)?;
-            self.camera = Some(camera);
-        }
-        let mut change = TreeChange::default();
-        let residents = self.trunks.iter_mut().zip(&mut self.residents);
-        for ((trunk, resident), state) in residents.zip(states) {
-            if let Some(trunk) = trunk {
-                change.trunk.add(&trunk.commit(&mut queue, &state.trunk)?);
-            }
-            change
-                .foliage
-                .add(&resident.follow(&mut queue, &state.foliage)?);
-        }
-        Ok(change)
-    }
-
-    /// The camera of a frame, where the device selects by it: by the papers' criterion, which
-    /// [`select`](Self::select) follows too. What a scene dictates, spreads, holds back or bounds
-    /// otherwise is chosen on the host.
-    fn selecting_camera(&self, frame: u32) -> Option<Camera> {
-        let model = &self.scene.model;
-        let by_distance = model.level.is_none() && model.amount.is_none();
-        let at_once = model.hysteresis == 0.0 && model.budget_bytes.is_none();
-        let follows = self.environment.has_camera()
-            && model.criterion == scene::CriterionName::Paper
-            && by_distance
-            && at_once;
-        follows.then(|| Camera {
-            eye: self.scene.camera.at(frame, self.size).eye,
-            criterion: Criterion {
-                nearest: model.range.d_min(),
-                farthest: model.range.d_max(),
-                extent: match model.detail {
-                    scene::DetailKind::Uniform => Extent::Uniform,
-                    scene::DetailKind::Variable => Extent::Variable,
-                },
-            },
-        })
-    }
-
-    /// Takes back what a budget of bytes does not allow; returns how many clusters, trunks, or trees
-    /// that change as a whole, are held back. Trunks go first, tree by tree, since they cost little;
-    /// what they leave is spent where the picture gains most.
-    fn afford(&self, states: &mut [TreeState], budget: u64, view: &scene::View) -> u64 {
-        let (mut left, mut deferred) = (budget, 0);
-        for (trunk, state) in self.trunks.iter().zip(&mut *states) {
-            let Some(trunk) = trunk else {
-                continue;
-            };
-            match left.checked_sub(trunk.price(&state.trunk)) {
-                Some(rest) => left = rest,
-                None => {
-                    state.trunk = *trunk.state();
-                    deferred += 1;
-                }
-            }
-        }
-        let wanted: Vec<State> = states.iter().map(|state| state.foliage.clone()).collect();
-        let afforded = Selector::afforded(self.world, &self.residents, &wanted, view, left);
-        for (state, foliage) in states.iter_mut().zip(afforded.states) {
-            state.foliage = foliage;
-        }
-        deferred + afforded.deferred
-    }
-
-    /// Goes over to given states, one a tree.
-    ///
-    /// # Errors
-    ///
-    /// None on this session's own device.
-    pub fn commit_states(&mut self, states: &[TreeState]) -> Result<TreeChange, RunError> {
-        let mut change = TreeChange::default();
-        let residents = self.trunks.iter_mut().zip(&mut self.residents);
-        for ((trunk, resident), state) in residents.zip(states) {
-            if let Some(trunk) = trunk {
-                let of_trunk = trunk.commit(&mut self.device.queue(), &state.trunk)?;
-                change.trunk.add(&of_trunk);
-            }
-            let of_foliage = resident.commit(&mut self.device.queue(), &state.foliage)?;
-            change.foliage.add(&of_foliage);
-        }
-        Ok(change)
     }
 
     /// Draws a frame as it is committed.
@@ -447,7 +288,7 @@ impl<'w> Session<'w> {
     }
 
     /// Leaves that are shown as it is committed.
-    pub(super) fn leaf_count(&self) -> u64 {
+    pub(in crate::run) fn leaf_count(&self) -> u64 {
         let trees = self.world.trees.iter().zip(&self.residents);
         let leaves = trees.map(|(tree, resident)| {
             let crown = &self.world.crowns[tree.crown];
@@ -479,7 +320,7 @@ impl<'w> Session<'w> {
     }
 
     /// The commands that draw all trees as they are committed.
-    pub(super) fn commands(&self) -> Vec<Command> {
+    pub(in crate::run) fn commands(&self) -> Vec<Command> {
         let residents = self.residents.iter().map(|resident| &**resident);
         frame_commands(&self.environment, self.pass(), residents)
     }
@@ -532,7 +373,7 @@ impl<'w> Session<'w> {
     }
 
     /// Sends the view of a frame, as drawing it would, and drops what was counted.
-    pub(super) fn forget(&mut self, frame: u32) -> Result<(), RunError> {
+    pub(in crate::run) fn forget(&mut self, frame: u32) -> Result<(), RunError> {
         self.set_view(frame)?;
         self.device.take_ledger();
         Ok(())
@@ -549,7 +390,7 @@ impl<'w> Session<'w> {
     }
 
     /// Sends the view of a frame, if it is another than the last.
-    pub(super) fn set_view(&mut self, frame: u32) -> Result<(), RunError> {
+    pub(in crate::run) fn set_view(&mut self, frame: u32) -> Result<(), RunError> {
         let light = &self.scene.light;
         let view = View {
             clip_from_world: self.scene.camera.at(frame, self.size).clip_from_world,
