@@ -151,7 +151,7 @@ impl Device {
         Ok(())
     }
 
-    /// Makes a texture of transparent black.
+    /// Makes a texture of zeros.
     ///
     /// # Errors
     ///
@@ -163,6 +163,7 @@ impl Device {
     ) -> Result<TextureId, GpuError> {
         let TextureDescriptor {
             label,
+            format,
             width,
             height,
             levels,
@@ -177,12 +178,12 @@ impl Device {
             1,
             1 + width.max(height).ilog2(),
         )?;
-        let sizes = (0..levels).map(|level| {
-            4 * u64::from((width >> level).max(1)) * u64::from((height >> level).max(1))
-        });
+        let side = |side: u32, level: u32| u64::from((side >> level).max(1));
+        let texel_bytes = u64::from(format.texel_bytes());
+        let sizes = (0..levels).map(|level| texel_bytes * side(width, level) * side(height, level));
         let sizes: Vec<u64> = sizes.collect();
         self.allocate(label, sizes.iter().sum())?;
-        let texels = blank_texels(width, height, &sizes);
+        let texels = blank_texels(descriptor, &sizes);
         self.textures.push(TextureSlot {
             label: label.to_owned(),
             texels,
@@ -528,12 +529,18 @@ impl Buffer {
     }
 }
 
-fn blank_texels(width: u32, height: u32, sizes: &[u64]) -> MipMap {
+fn blank_texels(descriptor: &TextureDescriptor<'_>, sizes: &[u64]) -> MipMap {
     let levels = sizes
         .iter()
         .map(|&size| vec![0; index_usize(size)])
         .collect();
-    MipMap::new(width, height, levels).expect("level sizes follow from the checked sides")
+    MipMap::new(
+        descriptor.format,
+        descriptor.width,
+        descriptor.height,
+        levels,
+    )
+    .expect("level sizes follow from the checked sides")
 }
 
 fn target_bytes(width: u32, height: u32, samples: Samples) -> u64 {

@@ -43,7 +43,7 @@ mod resource;
 /// What the stages of a program are written against.
 pub use crate::raster::{
     Blend, Fragment, Geometry, Instructions, Kernel, MAX_FLATS, MAX_VARYINGS, MipMap, Pixel,
-    PixelLanes, Topology, Wrap,
+    PixelLanes, TextureFormat, Topology, Wrap,
 };
 /// What a pixel is asked, and what it answers.
 pub use crate::raster::{Image, Key, ProbedFragment, Target};

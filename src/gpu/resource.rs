@@ -1,7 +1,7 @@
 //! Buffers, textures and targets: labels, usages, where they live.
 
 use super::GpuError;
-use crate::raster::{MipMap, Samples, Target};
+use crate::raster::{MipMap, Samples, Target, TextureFormat};
 
 macro_rules! handles {
     ($($(#[$doc:meta])* $name:ident;)*) => {$(
@@ -100,11 +100,13 @@ pub struct BufferDescriptor<'a> {
     pub residency: Residency,
 }
 
-/// How to make a texture of 8-bit sRGB colour with linear alpha.
+/// How to make a texture: [`TextureFormat::texel_bytes`] a texel of each level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TextureDescriptor<'a> {
     /// A name for ledgers and errors.
     pub label: &'a str,
+    /// What its texels are.
+    pub format: TextureFormat,
     /// Texels a row of the largest level.
     pub width: u32,
     /// Rows of the largest level.

@@ -9,7 +9,7 @@ use super::format::{LeafBytes, LeafFormat, Records};
 use super::leaf::{LeafMaterial, LeafProgram, LeafSource, MATERIAL_SLOT};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Device, DrawIndirect, GpuError, MAX_SLOTS, Residency, Step,
-    TextureDescriptor, TextureId, Usage,
+    TextureDescriptor, TextureFormat, TextureId, Usage,
 };
 use crate::math::{Vec4, index_u32};
 use crate::plant::Texture;
@@ -234,6 +234,7 @@ pub(super) fn upload_texture(
     let mips = texture.mips(cutoff);
     let id = device.create_texture(&TextureDescriptor {
         label,
+        format: TextureFormat::Srgb8,
         width: texture.width(),
         height: texture.height(),
         levels: index_u32(mips.len()),

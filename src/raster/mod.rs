@@ -82,6 +82,7 @@ mod reach;
 mod setup;
 mod shade;
 mod source;
+mod texel;
 mod texture;
 mod tile;
 mod view;
@@ -93,6 +94,7 @@ pub use lanes::Instructions;
 pub use pass::{Machine, Options, Rendered, Skips, render, render_on};
 pub use probe::{ProbedFragment, probe};
 pub use source::{Hull, PART, Part, Source};
+pub use texel::TextureFormat;
 pub use texture::{MipMap, Wrap};
 
 use crate::math::Vec4;

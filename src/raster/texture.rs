@@ -5,7 +5,7 @@
 
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdInt, SimdMask, f32x8, i32x8, u32x8};
 
-use super::colour;
+use super::{TextureFormat, colour};
 use crate::math::{Vec2, Vec4};
 
 /// What lies outside of the unit square of texture coordinates.
@@ -19,12 +19,16 @@ pub enum Wrap {
 
 /// An image and its smaller versions.
 ///
-/// Bytes R, G, B, A a texel, rows from the top: colour in sRGB, alpha straight and linear. Level
-/// `k` has `max(1, side >> k)` texels a side. The bytes are the truth: every read decodes them.
+/// Texels of a [`TextureFormat`], rows from the top. Level `k` has `max(1, side >> k)` texels a side.
+/// The bytes are the truth: every read decodes them.
 #[derive(Clone)]
 pub struct MipMap {
     levels: Vec<Level>,
+    format: TextureFormat,
+    /// What the first three bytes of a texel of four mean, before they are divided.
     decoding: &'static [f32; 256],
+    /// What texels of four bytes are divided by, once they are blended.
+    divisor: Vec4,
 }
 
 impl MipMap {
@@ -34,9 +38,14 @@ impl MipMap {
     /// A texture from the bytes of its levels, the largest first.
     ///
     /// Returns `None` when a side is 0 or above [`MipMap::MAX_SIDE`], when there is no level or one
-    /// after 1 × 1, or when a level's bytes are not four a texel.
+    /// after 1 × 1, or when a level has other than its texels' bytes.
     #[must_use]
-    pub fn new(width: u32, height: u32, levels: Vec<Vec<u8>>) -> Option<Self> {
+    pub fn new(
+        format: TextureFormat,
+        width: u32,
+        height: u32,
+        levels: Vec<Vec<u8>>,
+    ) -> Option<Self> {
         let sides = 1..=Self::MAX_SIDE;
         let most = Self::full_chain(width, height) as usize;
         let fits = sides.contains(&width)
@@ -44,21 +53,39 @@ impl MipMap {
             && (1..=most).contains(&levels.len())
             && levels.iter().zip(0..).all(|(bytes, level)| {
                 let (width, height) = size_of_level(width, height, level);
-                bytes.len() == 4 * width as usize * height as usize
+                bytes.len() == format.texel_bytes() as usize * width as usize * height as usize
             });
         let level = |(bytes, level): (Vec<u8>, u32)| {
             let (width, height) = size_of_level(width, height, level);
+            let alphas = match format {
+                TextureFormat::Srgb8 | TextureFormat::Linear8 => {
+                    bytes.iter().skip(3).step_by(4).copied().collect()
+                }
+                TextureFormat::Float32 => Vec::new(),
+            };
             Level {
                 width,
                 height,
-                alphas: bytes.iter().skip(3).step_by(4).copied().collect(),
                 bytes,
+                alphas,
             }
+        };
+        let (decoding, divisor) = match format {
+            TextureFormat::Srgb8 => (colour::decoding(), Vec4::new(1.0, 1.0, 1.0, 255.0)),
+            TextureFormat::Linear8 | TextureFormat::Float32 => (&PLAIN, Vec4::splat(255.0)),
         };
         fits.then(|| Self {
             levels: levels.into_iter().zip(0..).map(level).collect(),
-            decoding: colour::decoding(),
+            format,
+            decoding,
+            divisor,
         })
+    }
+
+    /// What its texels are.
+    #[must_use]
+    pub fn format(&self) -> TextureFormat {
+        self.format
     }
 
     /// How many levels lead down to 1 × 1.
@@ -98,28 +125,51 @@ impl MipMap {
             return false;
         };
         place.copy_from_slice(bytes);
-        for texel in range.start / 4..range.end.div_ceil(4) {
-            level.alphas[texel] = level.bytes[4 * texel + 3];
+        // Of floats there are no alphas apart.
+        let texels = range.start / 4..range.end.div_ceil(4);
+        for (texel, alpha) in (0..)
+            .zip(&mut level.alphas[..])
+            .skip(texels.start)
+            .take(texels.len())
+        {
+            *alpha = level.bytes[4 * texel + 3];
         }
         true
     }
 
-    /// One texel, in linear light with straight alpha; beyond the rim the nearest texel.
+    /// One texel; of sRGB in linear light with straight alpha. Beyond the rim the nearest texel.
     #[must_use]
     pub fn texel(&self, level: u32, x: u32, y: u32) -> Vec4 {
         let level = self.level(level);
         let (x, y) = (x.min(level.width - 1), y.min(level.height - 1));
-        let at = 4 * (y as usize * level.width as usize + x as usize);
-        let colour = self.raw(&level.bytes, at);
-        Vec4::new(colour.x, colour.y, colour.z, colour.w / 255.0)
+        self.read(level, y as usize * level.width as usize + x as usize)
     }
 
-    /// The texels around a point, blended bilinearly in linear light: four texels read.
+    /// The texel in which a point lies: one texel read.
+    ///
+    /// On the border of two it is the second. Coordinates that are no numbers or beyond ±2³¹ texels
+    /// give some texel.
+    #[must_use]
+    pub fn nearest(&self, uv: Vec2, level: u32, wrap: Wrap) -> Vec4 {
+        let level = self.level(level);
+        let texel = |coordinate: f32, size: u32| match wrap {
+            Wrap::Clamp => clamped(coordinate * size as f32, size).0,
+            Wrap::Repeat => repeated(coordinate * size as f32, size).0,
+        };
+        let (x, y) = (texel(uv.x, level.width), texel(uv.y, level.height));
+        self.read(level, y as usize * level.width as usize + x as usize)
+    }
+
+    /// The texels around a point, blended bilinearly, sRGB in linear light: four texels read. Of floats
+    /// the [`nearest`](Self::nearest).
     ///
     /// First along x, then along y, each as `a + (b − a) · t`. Coordinates that are no numbers or
     /// beyond ±2³¹ texels give some texel.
     #[must_use]
     pub fn sample(&self, uv: Vec2, level: u32, wrap: Wrap) -> Vec4 {
+        if self.format == TextureFormat::Float32 {
+            return self.nearest(uv, level, wrap);
+        }
         let level = self.level(level);
         let square = level.square(uv, wrap);
         let read = |at| self.raw(&level.bytes, 4 * at);
@@ -127,14 +177,16 @@ impl MipMap {
         let (a, b, c, d) = (read(a), read(b), read(c), read(d));
         let above = a + (b - a) * square.right;
         let below = c + (d - c) * square.right;
-        let colour = above + (below - above) * square.down;
-        Vec4::new(colour.x, colour.y, colour.z, colour.w / 255.0)
+        (above + (below - above) * square.down) / self.divisor
     }
 
     /// The alpha of [`sample`](Self::sample), to the same bits.
     #[must_use]
     #[inline(always)]
     pub fn alpha(&self, uv: Vec2, level: u32, wrap: Wrap) -> f32 {
+        if self.format == TextureFormat::Float32 {
+            return self.nearest(uv, level, wrap).w;
+        }
         let level = self.level(level);
         let square = level.square(uv, wrap);
         let read = |at: usize| f32::from(level.alphas[at]);
@@ -202,7 +254,8 @@ impl MipMap {
     ) -> f32x8<S> {
         let first = levels[wanted.trailing_zeros() as usize % 8];
         let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-        if wrap == Wrap::Repeat || same & wanted != wanted {
+        let blends = self.format != TextureFormat::Float32;
+        if wrap == Wrap::Repeat || same & wanted != wanted || !blends {
             let mut alphas = [0.0; 8];
             let mut rest = wanted;
             while rest != 0 {
@@ -231,7 +284,22 @@ impl MipMap {
         &self.levels[(level as usize).min(self.levels.len() - 1)]
     }
 
-    /// Linear colour, and alpha from 0 to 255.
+    /// A texel by its number.
+    #[inline]
+    fn read(&self, level: &Level, texel: usize) -> Vec4 {
+        match self.format {
+            TextureFormat::Srgb8 | TextureFormat::Linear8 => {
+                self.raw(&level.bytes, 4 * texel) / self.divisor
+            }
+            TextureFormat::Float32 => {
+                let words = level.bytes[16 * texel..].as_chunks().0;
+                let at = |word: usize| f32::from_le_bytes(words[word]);
+                Vec4::new(at(0), at(1), at(2), at(3))
+            }
+        }
+    }
+
+    /// A texel of four bytes, yet to be divided.
     #[inline]
     fn raw(&self, bytes: &[u8], at: usize) -> Vec4 {
         let texel = &bytes[at..at + 4];
@@ -247,9 +315,24 @@ impl MipMap {
 impl std::fmt::Debug for MipMap {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let ((width, height), levels) = (self.level_size(0), self.levels.len());
-        write!(out, "MipMap({width} × {height}, {levels} levels)")
+        let format = self.format;
+        write!(
+            out,
+            "MipMap({format:?}, {width} × {height}, {levels} levels)"
+        )
     }
 }
+
+/// Bytes as they are.
+static PLAIN: [f32; 256] = {
+    let mut values = [0.0; 256];
+    let mut byte = 0;
+    while byte < values.len() {
+        values[byte] = byte as f32;
+        byte += 1;
+    }
+    values
+};
 
 /// One size of the image.
 #[derive(Debug, Clone)]
@@ -257,7 +340,7 @@ struct Level {
     width: u32,
     height: u32,
     bytes: Vec<u8>,
-    /// The alphas among the bytes once more: close together, since alpha is mostly read alone.
+    /// The alphas among four bytes a texel once more: close together, since alpha is mostly read alone.
     alphas: Vec<u8>,
 }
 
@@ -387,21 +470,22 @@ fn size_of_level(width: u32, height: u32, level: u32) -> (u32, u32) {
 
 #[cfg(test)]
 mod tests {
+    use super::TextureFormat::{Float32, Linear8, Srgb8};
     use super::*;
 
     /// 4 × 2 texels with alpha 0, 10, 20 … 70, and two smaller levels.
     fn image() -> MipMap {
         let bytes = |count: u8| (0..count).flat_map(|i| [i, 2 * i, 255, 10 * i]).collect();
-        MipMap::new(4, 2, vec![bytes(8), bytes(2), bytes(1)]).expect("sizes fit")
+        MipMap::new(Srgb8, 4, 2, vec![bytes(8), bytes(2), bytes(1)]).expect("sizes fit")
     }
 
     #[test]
     fn wrong_sizes_are_refused() {
-        assert!(MipMap::new(4, 2, vec![]).is_none());
-        assert!(MipMap::new(0, 2, vec![vec![]]).is_none());
-        assert!(MipMap::new(4, 2, vec![vec![0; 31]]).is_none());
-        assert!(MipMap::new(4, 2, vec![vec![0; 32], vec![0; 16]]).is_none());
-        assert!(MipMap::new(1, 1, vec![vec![0; 4], vec![0; 4]]).is_none());
+        assert!(MipMap::new(Srgb8, 4, 2, vec![]).is_none());
+        assert!(MipMap::new(Srgb8, 0, 2, vec![vec![]]).is_none());
+        assert!(MipMap::new(Srgb8, 4, 2, vec![vec![0; 31]]).is_none());
+        assert!(MipMap::new(Srgb8, 4, 2, vec![vec![0; 32], vec![0; 16]]).is_none());
+        assert!(MipMap::new(Srgb8, 1, 1, vec![vec![0; 4], vec![0; 4]]).is_none());
         assert_eq!(MipMap::full_chain(4, 2), 3);
         assert_eq!(MipMap::full_chain(1, 1), 1);
         assert_eq!(MipMap::full_chain(5, 3), 3);
@@ -459,6 +543,7 @@ mod tests {
     #[test]
     fn levels_switch_at_the_geometric_mean_of_their_sizes() {
         let image = MipMap::new(
+            Srgb8,
             8,
             8,
             (0..4).map(|k| vec![0; 4 * (8 >> k) * (8 >> k)]).collect(),
@@ -490,5 +575,66 @@ mod tests {
         );
         assert_eq!(image.level_size(0), (4, 2));
         assert_eq!(image.level_size(1), (2, 1));
+    }
+
+    #[test]
+    fn linear_bytes_are_themselves_over_255() {
+        let bytes = vec![0, 51, 255, 100, 51, 51, 0, 200];
+        let image = MipMap::new(Linear8, 2, 1, vec![bytes]).expect("sizes fit");
+        let (first, second) = (image.texel(0, 0, 0), image.texel(0, 1, 0));
+        assert_eq!(first, Vec4::new(0.0, 0.2, 1.0, 100.0 / 255.0));
+        assert_eq!(second, Vec4::new(0.2, 0.2, 0.0, 200.0 / 255.0));
+        let middle = image.sample(Vec2::new(0.5, 0.5), 0, Wrap::Clamp);
+        assert_eq!(middle, Vec4::new(0.1, 0.2, 0.5, 150.0 / 255.0));
+        let alone = image.alpha(Vec2::new(0.5, 0.5), 0, Wrap::Clamp);
+        assert_eq!(alone.to_bits(), middle.w.to_bits());
+    }
+
+    #[test]
+    fn floats_are_read_as_they_are_and_never_blended() {
+        let texels = [[1.5_f32, -2.0, 1e30, 0.25], [3.0, 4.0, f32::INFINITY, -0.5]];
+        let bytes: Vec<u8> = texels
+            .as_flattened()
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
+        assert!(MipMap::new(Float32, 2, 1, vec![bytes[..8].to_vec()]).is_none());
+        let mut image = MipMap::new(Float32, 2, 1, vec![bytes]).expect("sizes fit");
+        for (u, texel) in [
+            (0.0, 0),
+            (0.49, 0),
+            (0.5, 1),
+            (0.99, 1),
+            (1.0, 1),
+            (-3.0, 0),
+        ] {
+            let uv = Vec2::new(u, 0.7);
+            let expected = Vec4::from_array(texels[texel]);
+            assert_eq!(image.sample(uv, 0, Wrap::Clamp), expected, "{u}");
+            assert_eq!(image.alpha(uv, 0, Wrap::Clamp), expected.w, "{u}");
+        }
+        let at = |u: f32| image.nearest(Vec2::new(u, 0.0), 0, Wrap::Repeat).x;
+        assert_eq!([-0.25, 0.0, 1.0, 1.5].map(at), [3.0, 1.5, 1.5, 3.0]);
+        assert!(image.write_level(0, 28, &1.0_f32.to_le_bytes()));
+        assert_eq!(image.texel(0, 1, 0).w, 1.0);
+        assert!(!image.write_level(0, 29, &[0; 4]));
+        let simd = fearless_simd::Fallback::new();
+        let lanes = [0.25, 0.75, 0.25, 0.75, -1.0, 9.0, 0.0, 0.5];
+        let lanes = f32x8::from_slice(simd, &lanes);
+        let levels = u32x8::splat(simd, 0);
+        let alphas = image.alpha_lanes(simd, [lanes; 2], levels, Wrap::Clamp, 0xff);
+        let alphas: Vec<f32> = (0..8).map(|lane| alphas[lane]).collect();
+        assert_eq!(alphas, [0.25, 1.0, 0.25, 1.0, 0.25, 1.0, 0.25, 1.0]);
+    }
+
+    #[test]
+    fn the_nearest_texel_is_the_one_around_a_point() {
+        let image = image();
+        for (u, x) in [(0.0, 0), (0.24, 0), (0.25, 1), (0.6, 2), (0.99, 3)] {
+            for (v, y) in [(0.1, 0), (0.5, 1)] {
+                let found = image.nearest(Vec2::new(u, v), 0, Wrap::Repeat);
+                assert_eq!(found, image.texel(0, x, y));
+            }
+        }
     }
 }

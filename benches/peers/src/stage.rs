@@ -6,7 +6,7 @@ use std::sync::Arc;
 use spinney::gpu::{
     Blend, BufferDescriptor, BufferId, Card, Cause, Command, Corners, Device, DeviceDescriptor,
     Draw, GpuError, Ledger, Link, Load, Program, RenderPass, Residency, Step, TargetDescriptor,
-    TargetId, TextureDescriptor, TextureId, Usage,
+    TargetId, TextureDescriptor, TextureFormat, TextureId, Usage,
 };
 use spinney::math::{Vec2, Vec4};
 use spinney::raster::{Counters, Options, Samples, TileSize};
@@ -322,6 +322,7 @@ impl Stage {
     fn texture(&mut self, texels: &Texels) -> Result<TextureId, GpuError> {
         let texture = self.device.create_texture(&TextureDescriptor {
             label: "texture",
+            format: TextureFormat::Srgb8,
             width: texels.width,
             height: texels.height,
             levels: u32::try_from(texels.levels.len()).expect("there are few levels"),

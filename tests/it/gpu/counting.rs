@@ -64,6 +64,35 @@ fn reads_are_counted_as_readback() {
 }
 
 #[test]
+fn texels_of_floats_take_sixteen_bytes() {
+    let mut bench = Bench::new(0);
+    let held = bench.device.resident_bytes();
+    let written = bench.device.take_ledger().upload.payload_bytes;
+    let texture = bench.device.create_texture(&TextureDescriptor {
+        label: "map",
+        format: TextureFormat::Float32,
+        width: 3,
+        height: 2,
+        levels: 2,
+    });
+    let texture = texture.expect("memory suffices");
+    assert_eq!(bench.device.resident_bytes(), held + 16 * (3 * 2 + 1));
+    let message = bench.refused(|bench| {
+        let queue = &mut bench.device.queue();
+        queue.write_texture(texture, 0, &[0; 24], CAUSE)
+    });
+    assert_eq!(message, "\"map\" holds 96 bytes, write wants 0..24");
+    let bytes: Vec<u8> = (0..96).collect();
+    let sent = bench
+        .device
+        .queue()
+        .write_texture(texture, 0, &bytes, CAUSE);
+    sent.expect("exactly the level");
+    assert_eq!(bench.device.inspect_texture(texture, 0), Ok(&bytes[..]));
+    check_conservation(&bench.device, written + 96).expect("the replay agrees");
+}
+
+#[test]
 fn copies_and_clears_are_recorded_and_replayed() {
     let mut bench = Bench::new(4);
     let written = bench.device.take_ledger().upload.payload_bytes;

@@ -96,6 +96,7 @@ fn handles_that_name_nothing_are_refused() {
         .device
         .create_texture(&TextureDescriptor {
             label: "strange",
+            format: TextureFormat::Srgb8,
             width: 1,
             height: 1,
             levels: 1,

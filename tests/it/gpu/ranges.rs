@@ -32,6 +32,7 @@ fn memory_that_is_not_there_is_refused_with_its_numbers() {
     let message = bench.refused(|bench| {
         bench.device.create_texture(&TextureDescriptor {
             label: "atlas",
+            format: TextureFormat::Srgb8,
             width: 1024,
             height: 512,
             levels: 3,
@@ -92,6 +93,7 @@ fn sides_and_levels_that_cannot_be_are_refused() {
         let message = bench.refused(|bench| {
             bench.device.create_texture(&TextureDescriptor {
                 label: "bark",
+                format: TextureFormat::Srgb8,
                 width,
                 height,
                 levels,
