@@ -46,7 +46,7 @@ pub use crate::raster::{
     PixelLanes, TextureFormat, Topology, Wrap,
 };
 /// What a pixel is asked, and what it answers.
-pub use crate::raster::{Image, Key, ProbedFragment, Target};
+pub use crate::raster::{Image, Key, ProbedFragment, Target, TargetLayer};
 pub use bus::{Recording, RecordingEntry, ResourceId};
 pub use card::{Card, DispatchWork, DrawWork};
 pub use compute::{Access, ComputeLayout, ComputeProgram, Group};

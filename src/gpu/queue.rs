@@ -3,7 +3,10 @@
 use super::bus::{Part, RecordingEntry, ResourceId};
 use super::ledger::{Cause, Stream};
 use super::pass::{Command, ComputeStep, RenderPass};
-use super::{BufferId, Device, GpuError, Residency, TextureId, Usage, dispatch, execute};
+use super::{
+    BufferId, Device, GpuError, Residency, TargetId, TargetLayer, TextureId, Usage, dispatch,
+    execute,
+};
 
 /// The queue of a device.
 #[derive(Debug)]
@@ -162,6 +165,26 @@ impl<'d> Queue<'d> {
                 .bus
                 .move_bytes(Stream::Readback, &label, cause, size);
         }
+        Ok(bytes)
+    }
+
+    /// Reads a layer of a render target back: one transfer of 4 bytes a pixel from device to host.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Unknown`] when the target does not exist.
+    pub fn read_target(
+        &mut self,
+        target: TargetId,
+        layer: TargetLayer,
+        cause: Cause,
+    ) -> Result<Vec<u8>, GpuError> {
+        let slot = self.device.target(target)?;
+        let bytes = slot.target.layer_bytes(layer);
+        let (label, size) = (slot.label.clone(), bytes.len() as u64);
+        self.device
+            .bus
+            .move_bytes(Stream::Readback, &label, cause, size);
         Ok(bytes)
     }
 

@@ -64,6 +64,37 @@ fn reads_are_counted_as_readback() {
 }
 
 #[test]
+fn a_target_is_read_back_in_one_transfer() {
+    let mut bench = Bench::new(0);
+    let pass = bench.bound([draw(Corners::Indexed, 0, 4 * QUADS)]);
+    let (picture, ..) = bench.shown(pass);
+    let (target, cause) = (bench.target, Cause::of("bake"));
+    let mut read = |layer| {
+        let bytes = bench.device.queue().read_target(target, layer, cause);
+        bytes.expect("it exists")
+    };
+    let [colour, plain, depth] =
+        [TargetLayer::Colour, TargetLayer::Linear, TargetLayer::Depth].map(&mut read);
+    assert_eq!(colour, picture.rgba);
+    let held = bench.device.inspect_target(target).expect("it exists");
+    let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
+    for (index, (x, y)) in pixels.enumerate() {
+        let at = 4 * index..4 * index + 4;
+        assert_eq!(depth[at.clone()], held.depth(x, y).to_le_bytes());
+        let green = (held.colour(x, y).y * 255.0 + 0.5).floor();
+        assert_eq!(f32::from(plain[at.start + 1]), green);
+    }
+    let ledger = bench.device.take_ledger();
+    let size = 4 * u64::from(SIDE * SIDE);
+    let sum = ledger.readback;
+    assert_eq!((sum.transfers, sum.payload_bytes), (3, 3 * size));
+    assert_eq!(sum.ticks, 3 * bench.device.link().ticks_up(size));
+    assert_eq!(ledger.by_buffer["picture"].payload_bytes, 3 * size);
+    assert_eq!(ledger.by_cause["bake"].transfers, 3);
+    assert_eq!((ledger.upload.transfers, ledger.command_bytes), (0, 0));
+}
+
+#[test]
 fn texels_of_floats_take_sixteen_bytes() {
     let mut bench = Bench::new(0);
     let held = bench.device.resident_bytes();

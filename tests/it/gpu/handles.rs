@@ -192,6 +192,11 @@ fn handles_that_name_nothing_are_refused() {
     let found = bench.refused(|bench| bench.device.present(strange_target).map(|_| ()));
     assert_eq!(found, missing("target", strange_target.index()));
     let found = bench.refused(|bench| {
+        let queue = &mut bench.device.queue();
+        queue.read_target(strange_target, TargetLayer::Depth, CAUSE)
+    });
+    assert_eq!(found, missing("target", strange_target.index()));
+    let found = bench.refused(|bench| {
         bench.submit(Command::Render(RenderPass {
             label: "nowhere".to_owned(),
             target: strange_target,

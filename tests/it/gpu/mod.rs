@@ -14,8 +14,8 @@ use spinney::gpu::{
     Bindings, Blend, BufferDescriptor, BufferId, Cause, Command, Corners, Device, DeviceDescriptor,
     Draw, DrawFromCounter, DrawIndirect, Fragment, Geometry, GpuError, IndirectRecord, Kernel,
     Layout, Ledger, Link, Load, Pixel, Program, ProgramId, Recording, Region, RenderPass,
-    Residency, Step, Stream, TargetDescriptor, TargetId, TextureDescriptor, TextureFormat,
-    TextureId, Topology, Transfer, Usage, VertexCall,
+    Residency, Step, Stream, TargetDescriptor, TargetId, TargetLayer, TextureDescriptor,
+    TextureFormat, TextureId, Topology, Transfer, Usage, VertexCall,
 };
 use spinney::math::{Vec4, index_u32};
 use spinney::raster::{Counters, Image, Options, Samples, TileSize};
