@@ -45,6 +45,8 @@ pub use crate::raster::{
     Blend, Fragment, Geometry, Instructions, Kernel, MAX_FLATS, MAX_VARYINGS, MipMap, Pixel,
     PixelLanes, TextureFormat, Topology, Wrap,
 };
+/// How a device rasterizes, and how often targets are sampled.
+pub use crate::raster::{Counters, Options, Samples, TileSize};
 /// What a pixel is asked, and what it answers.
 pub use crate::raster::{Image, Key, ProbedFragment, Target, TargetLayer};
 pub use bus::{Recording, RecordingEntry, ResourceId};

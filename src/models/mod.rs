@@ -35,6 +35,7 @@
 //!
 //! Trunks are models of the same form: [`TrunkModel`], with a [`TrunkLevel`] for a state.
 
+mod cards;
 mod clip_box;
 mod crown;
 mod environment;

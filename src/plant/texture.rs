@@ -228,24 +228,49 @@ fn keep_coverage(bytes: &mut [u8], threshold: u8, passing: usize, all: usize) {
     if covered(bytes, threshold) == wanted {
         return;
     }
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_unstable_by_key(|&texel| {
-        let scattered = index_u32(texel).wrapping_mul(0x9e37_79b1);
-        (std::cmp::Reverse(bytes[4 * texel + 3]), scattered)
-    });
     // The last that passes gets just the threshold, and all others the same factor.
-    let last = order[wanted.saturating_sub(1)];
-    let from = u32::from(bytes[4 * last + 3].max(1));
-    for (rank, &texel) in order.iter().enumerate() {
-        let alpha = &mut bytes[4 * texel + 3];
+    let mut counts = [0; 256];
+    bytes
+        .iter()
+        .skip(3)
+        .step_by(4)
+        .for_each(|alpha| counts[usize::from(*alpha)] += 1);
+    let (last, before) = last_of(&counts, wanted.max(1));
+    // Texels of its alpha pass in a scattered order until there are enough.
+    let mut alike: Vec<usize> = (0..count)
+        .filter(|texel| bytes[4 * texel + 3] == last)
+        .collect();
+    alike.sort_unstable_by_key(|&texel| index_u32(texel).wrapping_mul(0x9e37_79b1));
+    alike.truncate(wanted.saturating_sub(before));
+    let from = u32::from(last.max(1));
+    for alpha in bytes.iter_mut().skip(3).step_by(4) {
+        let passes = *alpha > last && wanted > 0;
         let scaled = (u32::from(*alpha) * u32::from(threshold) / from).min(255);
         let scaled = u8::try_from(scaled).expect("just limited to a byte's range");
-        *alpha = if rank < wanted {
+        *alpha = if passes {
             scaled.max(threshold)
         } else {
             scaled.min(threshold - 1)
         };
     }
+    for texel in alike {
+        let scaled = u32::from(last) * u32::from(threshold) / from;
+        let scaled = u8::try_from(scaled.min(255)).expect("just limited to a byte's range");
+        bytes[4 * texel + 3] = scaled.max(threshold);
+    }
+}
+
+/// Of texels from the greatest alpha down, of which there are so many each, the alpha of the texel of a
+/// rank from 1, and how many have more.
+fn last_of(counts: &[usize; 256], rank: usize) -> (u8, usize) {
+    let mut before = 0;
+    for (alpha, count) in (0..=u8::MAX).zip(counts).rev() {
+        if before + count >= rank {
+            return (alpha, before);
+        }
+        before += count;
+    }
+    (0, before)
 }
 
 #[cfg(test)]
