@@ -93,6 +93,10 @@ limits! {
     SCENE_FORESTS: usize = 64, "forests";
     /// Species of a forest: each is a plant of its own.
     FOREST_SPECIES: usize = 64, "species";
+    /// Impostors that stand for the leaves of a crown, each with textures of its own.
+    CARDS: u32 = 1024, "impostors";
+    /// Levels of detail of impostors.
+    CARD_LEVELS: usize = 8, "levels";
     /// Cells a side of a scene's ground, of two triangles each.
     TERRAIN_CELLS: u64 = 1024, "cells";
     /// Keys of the camera's path.

@@ -13,7 +13,7 @@ use super::uploads::Uploads;
 use super::{EXPLAIN_SCHEMA, ExplainError, bounded};
 use crate::gpu::{Key, ProbedFragment};
 use crate::math::Vec4;
-use crate::models::{LEAF_GROUP, State, TERRAIN_GROUP, TRUNK_GROUP, Trunk};
+use crate::models::{CARD_GROUP, LEAF_GROUP, State, TERRAIN_GROUP, TRUNK_GROUP, Trunk};
 use crate::run::{Frame, Owner, Progress, Session, World};
 use crate::scene::{PlantSource, Tree};
 
@@ -63,7 +63,7 @@ pub struct ColourStory {
 /// A fragment: a triangle at the pixel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PixelPlace {
-    /// `leaf`, `trunk`, or `unknown` for what neither a leaf's nor a trunk's corners fit.
+    /// `leaf`, `trunk`, `card` for what stands for leaves, or `unknown` for what neither a leaf's nor a trunk's corners fit.
     pub what: &'static str,
     /// The key by which ties of depth are broken: group, instance, first vertex, triangle.
     pub key: [u32; 4],
@@ -102,7 +102,7 @@ pub struct TreeStory {
     pub turn: f32,
     /// The factor on its size.
     pub scale: f32,
-    /// `uniform` or `variable`.
+    /// `uniform`, `variable` or `cards`.
     pub detail: &'static str,
     /// Collapses done, over all clusters.
     pub collapses: u32,
@@ -327,7 +327,9 @@ fn tell(played: &Played<'_>, frame: &Frame, number: u32, places: &mut [Option<Pi
             }
             _ => {}
         }
-        if place.leaf.is_some() {
+        if place.key[0] == CARD_GROUP {
+            place.what = "card";
+        } else if place.leaf.is_some() {
             place.what = "leaf";
         } else if place.trunk.is_some() {
             place.what = "trunk";
@@ -357,6 +359,7 @@ fn tree_story(run: &RecordedRun, world: &World, frame: &Frame, number: u32) -> O
         detail: match state {
             State::Uniform { .. } => "uniform",
             State::Variable { .. } => "variable",
+            State::Cards(_) => "cards",
         },
         collapses: state.collapse_count(),
         all_collapses: crown.sequence().collapse_count(),

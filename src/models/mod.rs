@@ -70,12 +70,13 @@ pub use select::{
     Importance, Move, Sight, Spent, apportion, gain, level, level_with, select, settle, spend,
     spread, weights, within_pixels,
 };
-pub use state::{State, TreeState};
-pub use surface::LEAF_GROUP;
+pub use state::{CardLevel, State, TreeState};
+pub use surface::{CARD_GROUP, LEAF_GROUP, shows_foliage};
 pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel, TrunkSimplifier};
 
 use crate::gpu::{Command, Device, GpuError, Queue, Step};
+use crate::scene::CardOptions;
 
 /// A level-of-detail model of one crown: immutable, made offline.
 pub trait Model: Send + Sync + std::fmt::Debug {
@@ -169,6 +170,11 @@ pub trait Resident<S = State>: std::fmt::Debug {
     /// Adds the steps that draw what is left.
     fn draw_revealed(&self, _steps: &mut Vec<Step>) {}
 
+    /// How many triangles of cards it draws in place of leaves.
+    fn card_triangles(&self) -> u64 {
+        0
+    }
+
     /// What it alone keeps in host memory, in bytes, by the lengths of its arrays: the state and what
     /// the model needs beside it. Numbers of buffers and of the instance are not counted.
     fn host_bytes(&self) -> u64;
@@ -255,8 +261,8 @@ impl Kind {
         Self::LodfDevice,
     ];
 
-    /// Every kind.
-    pub const ALL: [Self; 9] = [
+    /// Every kind that shows leaves.
+    pub const LEAVES: [Self; 9] = [
         Self::Full,
         Self::VdfHost,
         Self::VdfIndices,
@@ -267,6 +273,9 @@ impl Kind {
         Self::LodfDevice,
         Self::LodfLiteral,
     ];
+
+    /// Every kind.
+    pub const ALL: [Self; 9] = Self::LEAVES;
 
     /// The name of the model and the name of its mode, as in scene files.
     #[must_use]
@@ -315,6 +324,18 @@ impl Kind {
         self != Self::Full
     }
 
+    /// Whether what it shows are leaves of the crown's sequence, and not cards in their place.
+    #[must_use]
+    pub fn shows_leaves(self) -> bool {
+        Self::LEAVES.contains(&self)
+    }
+
+    /// Where it has [levels](Self::has_levels) of cards: how many. Else 1.
+    #[must_use]
+    pub fn card_levels(self, _options: &CardOptions) -> u32 {
+        1
+    }
+
     /// Whether it selects on the device: it needs a card that computes, and
     /// [`Environment::of_kind`].
     #[must_use]
@@ -341,8 +362,8 @@ impl Kind {
 }
 
 /// How models work where they have a choice; no choice changes which leaves are shown, and only
-/// [quantised vertices](Vertices::Quantised) change where.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// [quantised vertices](Vertices::Quantised) change where. How cards look is all choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelOptions {
     /// One operation at a time, or batched by cluster.
     pub extraction: Extraction,
@@ -352,6 +373,8 @@ pub struct ModelOptions {
     pub format: LeafFormat,
     /// What the device leaves out by itself, where it [selects](Kind::selects).
     pub occlusion: Occlusion,
+    /// What cards are made of.
+    pub cards: CardOptions,
 }
 
 /// What a device that selects by itself leaves out beside what lies out of sight. No picture depends on

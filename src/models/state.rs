@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Change, TrunkLevel};
+use crate::math::whole_u32;
 use crate::simplify::Clusters;
 
 /// A cut through the forest of leaves: fully describes a model's resident content.
@@ -19,6 +20,39 @@ pub enum State {
         /// How many, a cluster.
         counts: Vec<u32>,
     },
+    /// No leaf shows: cards stand for all of them.
+    Cards(CardLevel),
+}
+
+/// Where a model of cards stands in its list of levels, in 1/256 of a level.
+///
+/// 0 is the finest level, 256 the next one; between them is where the smooth change from one to the
+/// other stands. Models without levels stand at 0.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
+)]
+pub struct CardLevel(pub u32);
+
+impl CardLevel {
+    /// The finest level.
+    pub const FINEST: Self = Self(0);
+
+    /// Steps from a level to the next.
+    pub const STEPS: u32 = 256;
+
+    /// The finest of so many levels at a share of 0, the coarsest at 1, linear between.
+    #[must_use]
+    pub fn at_share(share: f64, levels: u32) -> Self {
+        let steps = Self::STEPS * levels.saturating_sub(1);
+        Self(whole_u32(share.clamp(0.0, 1.0) * f64::from(steps)))
+    }
+
+    /// The finer of the levels that it stands between, and how far it is on the way to the next: from 0
+    /// to [`STEPS`](Self::STEPS) − 1.
+    #[must_use]
+    pub fn parts(self) -> [u32; 2] {
+        [self.0 / Self::STEPS, self.0 % Self::STEPS]
+    }
 }
 
 /// What a whole tree shows.
@@ -52,18 +86,22 @@ impl State {
     /// Full detail.
     pub const FINEST: Self = Self::Uniform { collapses: 0 };
 
-    /// The collapses done in each cluster.
+    /// The collapses done in each cluster; none where cards show.
     #[must_use]
     pub fn counts(&self, clusters: &Clusters) -> Vec<u32> {
         match self {
             Self::Uniform { collapses } => clusters.uniform(*collapses),
             Self::Variable { counts } => counts.clone(),
+            Self::Cards(_) => clusters.uniform(0),
         }
     }
 
-    /// The visible leaves, cluster by cluster, in array order.
+    /// The visible leaves, cluster by cluster, in array order; none where cards show.
     #[must_use]
     pub fn visible(&self, clusters: &Clusters) -> Vec<u32> {
+        if matches!(self, Self::Cards(_)) {
+            return Vec::new();
+        }
         let counts = self.counts(clusters);
         let shown = clusters.clusters.iter().zip(&counts);
         shown
@@ -74,6 +112,9 @@ impl State {
     /// How many leaves are visible.
     #[must_use]
     pub fn leaf_count(&self, clusters: &Clusters) -> u32 {
+        if matches!(self, Self::Cards(_)) {
+            return 0;
+        }
         let originals: u32 = clusters
             .clusters
             .iter()
@@ -86,7 +127,7 @@ impl State {
     #[must_use]
     pub fn host_bytes(&self) -> u64 {
         match self {
-            Self::Uniform { .. } => 4,
+            Self::Uniform { .. } | Self::Cards(_) => 4,
             Self::Variable { counts } => 4 + 4 * counts.len() as u64,
         }
     }
@@ -108,6 +149,37 @@ impl State {
         match self {
             Self::Uniform { collapses } => *collapses,
             Self::Variable { counts } => counts.iter().sum(),
+            Self::Cards(_) => 0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_of_cards_go_from_the_finest_to_the_coarsest() {
+        let at = |share| CardLevel::at_share(share, 3);
+        assert_eq!(
+            [-1.0, 0.0, 0.25, 0.5, 1.0, 2.0].map(at),
+            [0, 0, 128, 256, 512, 512].map(CardLevel)
+        );
+        assert_eq!(
+            [0, 255, 256, 512].map(|at| CardLevel(at).parts()),
+            [[0, 0], [0, 255], [1, 0], [2, 0]]
+        );
+        assert_eq!(
+            [0, 1].map(|levels| CardLevel::at_share(1.0, levels)),
+            [CardLevel::FINEST; 2]
+        );
+    }
+
+    #[test]
+    fn states_of_cards_read_back() {
+        let state = State::Cards(CardLevel(300));
+        let text = serde_json::to_string(&state).unwrap();
+        assert_eq!(text, r#"{"cards":300}"#);
+        assert_eq!(serde_json::from_str::<State>(&text).unwrap(), state);
     }
 }

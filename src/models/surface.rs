@@ -17,6 +17,15 @@ use crate::plant::Texture;
 /// First part of the key of everything that shows a leaf.
 pub const LEAF_GROUP: u32 = 1;
 
+/// First part of the key of everything that shows a card in place of leaves.
+pub const CARD_GROUP: u32 = 3;
+
+/// Whether what has this first part of a key is foliage: a leaf, or a card in place of some.
+#[must_use]
+pub fn shows_foliage(group: u32) -> bool {
+    matches!(group, LEAF_GROUP | CARD_GROUP)
+}
+
 /// What all foliage models of a crown keep on the device.
 #[derive(Debug, Clone)]
 pub(super) struct Surface {

@@ -138,7 +138,7 @@ pub fn storage_report(
         counts,
         notes: notes(&counts, &accountings),
         accountings,
-        models: Kind::ALL.into_iter().map(model).collect(),
+        models: Kind::LEAVES.into_iter().map(model).collect(),
         trunk: trunk.map(|trunk| trunk_storage(trunk, options)),
     }
 }

@@ -93,6 +93,7 @@ impl SessionOptions {
                     scene::Occlusion::None => Occlusion::None,
                     scene::Occlusion::TwoPhase => Occlusion::TwoPhase,
                 },
+                cards: scene.cards,
             },
             trunk: TrunkKind {
                 name: scene.model.trunk,

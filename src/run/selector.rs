@@ -12,9 +12,9 @@
 use super::world::{StandingTree, World};
 use crate::math::whole_u32;
 use crate::models::{
-    Band, ByDistance, ByScreenError, BySilhouette, Criterion, Crown, Extent, Importance, Kind,
-    Move, Resident, Sight, Spent, State, gain, level, level_with, select, settle, spend, spread,
-    within_pixels,
+    Band, ByDistance, ByScreenError, BySilhouette, CardLevel, Criterion, Crown, Extent, Importance,
+    Kind, Move, Resident, Sight, Spent, State, gain, level, level_with, select, settle, spend,
+    spread, within_pixels,
 };
 use crate::scene::{CriterionName, DetailKind, LeafAmount, ModelChoice, View};
 
@@ -109,6 +109,33 @@ impl Selector {
                     self.budget(crown, leaves, tree, view)
                 }
             },
+        }
+    }
+
+    /// What a view asks of a tree that cards stand for while `present` stands: linear in the distance
+    /// between the model's two, as detail of leaves is, or the fixed level.
+    pub(super) fn cards(
+        &self,
+        crown: &Crown,
+        tree: &StandingTree,
+        view: &View,
+        present: Option<&State>,
+        levels: u32,
+    ) -> CardLevel {
+        if let Some(fixed) = self.model.level {
+            return CardLevel::at_share(f64::from(fixed), levels);
+        }
+        let criterion = self.criterion(tree);
+        let eye = tree.placement.to_plant(view.eye);
+        let distance = f64::from(eye.distance(crown.center()));
+        let [nearest, farthest] = [criterion.nearest, criterion.farthest].map(f64::from);
+        let share = (distance - nearest) / (farthest - nearest);
+        let band = f64::from(self.model.hysteresis);
+        let [finer, wanted, coarser] =
+            [-band, 0.0, band].map(|by| CardLevel::at_share(share + by, levels));
+        match present {
+            Some(State::Cards(level)) if (finer..=coarser).contains(level) => *level,
+            _ => wanted,
         }
     }
 

@@ -205,7 +205,7 @@ impl Variant {
     /// Whether its choices mean something: only slots, stamps, dictated states and trunks on the device
     /// ever send several ranges that could be gathered, only what has records can have compact ones, only
     /// what selects on the device can leave out what is hidden there, and only what has levels shows leaves
-    /// that are left.
+    /// that are left. Cards are no variants: the axis of detail is one of leaves.
     #[must_use]
     pub fn is_sound(self) -> bool {
         let trunk_gathers =
@@ -215,6 +215,7 @@ impl Variant {
         let has_records = self.kind != Kind::Full;
         let occlusion = self.occlusion == Occlusion::None || self.kind.selects();
         (gathers || !self.gathered)
+            && self.kind.shows_leaves()
             && occlusion
             && (has_records || self.format.records == Records::Wide)
             && (self.kind.has_levels() || !self.pruned)

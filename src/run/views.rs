@@ -9,9 +9,10 @@ use crate::gpu::{
 use crate::math::{Mat4, Sphere, Vec3, Vec4};
 use crate::models::{
     Crown, Environment, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion,
-    Placement, Records, Resident, State, Vertices, View,
+    Placement, Records, Resident, State, Vertices, View, shows_foliage,
 };
 use crate::raster::{Counters, Image, Options, Samples, Target, TileSize, decode_srgb};
+use crate::scene::CardOptions;
 
 /// Pixels of a picture's side.
 pub const VIEW_SIDE: u32 = 512;
@@ -53,7 +54,7 @@ impl Shot {
         let pixels = (0..target.height()).flat_map(|y| columns.clone().map(move |x| (x, y)));
         let is_leaf = |(x, y)| {
             let key = target.key(x, y);
-            key.is_some_and(|key| key.group == LEAF_GROUP)
+            key.is_some_and(|key| shows_foliage(key.group))
         };
         Self {
             image: target.resolve(),
@@ -125,6 +126,7 @@ impl Views {
                 vertices,
             },
             occlusion: Occlusion::None,
+            cards: CardOptions::USUAL,
         };
         let model = Kind::LodfStamps.model(crown, options);
         let shared = model.upload(&mut device, &environment)?;

@@ -3,8 +3,9 @@
 use crate::limits;
 
 use super::{
-    CriterionName, DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName, Occlusion,
-    RecordWidth, Simplifier, TrunkMode, TrunkName, VertexFormat,
+    CardDepth, CardOutline, CardSides, CriterionName, DetailKind, Extraction, Gather, ImageSize,
+    Layout, Mode, ModelName, Occlusion, RecordWidth, Simplifier, SpriteScale, Transparency,
+    TrunkMode, TrunkName, VertexFormat,
 };
 
 /// One key of a scene file.
@@ -60,6 +61,13 @@ pub enum Kind {
     },
     /// Ascending integers, at least one and at most so many.
     Ascending {
+        /// The greatest value.
+        max: u64,
+        /// The most values.
+        most: usize,
+    },
+    /// Descending integers from 1, at least one and at most so many.
+    Descending {
         /// The greatest value.
         max: u64,
         /// The most values.
@@ -143,6 +151,9 @@ impl Kind {
             Self::Integer { min, max } => format!("an integer from {min} to {max}"),
             Self::Ascending { max, most } => {
                 format!("1 to {most} ascending integers from 0 to {max}")
+            }
+            Self::Descending { max, most } => {
+                format!("1 to {most} descending integers from {max} to 1")
             }
             Self::Size { side } if side == ImageSize::MAX_SIDE => format!(
                 "[width, height] from 1 to {side}, at most {} pixels",
@@ -360,6 +371,37 @@ pub const KEYS: &[Key] = &[
         "A fixed level of trunks: 0 all triangles, 1 the fewest."),
     key("model.trunk_triangles", Kind::Integer { min: 0, max: limits::TRUNK_TRIANGLES as u64 }, "triangles", Absent::Rule("a twentieth"),
         "Simplification of trunks stops at so many triangles."),
+
+    key("cards", Kind::Table, "", Absent::Value("{}"),
+        "What stands in for leaves where the model draws cards."),
+    key("cards.count", Kind::Integer { min: 1, max: limits::CARDS as u64 }, "impostors", Absent::Rule("the first of `levels`, or 32"),
+        "How many impostors stand for a crown at the finest level."),
+    key("cards.levels", Kind::Descending { max: limits::CARDS as u64, most: limits::CARD_LEVELS }, "impostors", Absent::Rule("`count`, half and a quarter of it"),
+        "How many there are at each level; detail falls from the first at `d_min` to the last at `d_max`."),
+    key("cards.texture", Kind::OneOf(&[8, 16, 32, 64, 128, 256, 512, 1024, 2048]), "texels", Absent::Value("512"),
+        "The sides of an impostor's texture."),
+    key("cards.orientation_weight", Kind::Number { min: 0.0, max: 1000.0 }, "mean square radii", Absent::Value("0.03"),
+        "What a leaf's turn out of its plane weighs against its distance from it."),
+    key("cards.plane_seeds", Kind::Integer { min: 1, max: 64 }, "", Absent::Value("4"),
+        "How many first choices of planes are tried; the best is kept."),
+    key("cards.depth", Kind::Choice(CardDepth::NAMES), "", Absent::Value("\"paper\""),
+        "The depth of the impostor's plane, or of each texel's leaf."),
+    key("cards.transparency", Kind::Choice(Transparency::NAMES), "", Absent::Value("\"test\""),
+        "What texels do that a leaf covers in part; \"coverage\" wants 4 samples a pixel."),
+    key("cards.outline", Kind::Choice(CardOutline::NAMES), "", Absent::Value("\"quad\""),
+        "The rectangle around the leaves, or at most 8 corners around what is opaque."),
+    key("cards.sides", Kind::Choice(CardSides::NAMES), "", Absent::Value("\"both\""),
+        "Textures of front and back, or of the front for both."),
+    key("cards.map", Kind::OneOf(&[8, 16, 32, 64, 128, 256, 512]), "texels", Absent::Value("64"),
+        "In mode indirect: the sides of the map that says where leaves lie."),
+    key("cards.layers", Kind::Integer { min: 1, max: 64 }, "leaves", Absent::Value("8"),
+        "In mode indirect: for how many leaves a texel of the map has room."),
+    key("cards.sprites", Kind::Integer { min: 1, max: 256 }, "", Absent::Value("32"),
+        "In mode indirect: how many turned pictures of a leaf there are."),
+    key("cards.sprite_texture", Kind::OneOf(&[8, 16, 32, 64, 128, 256]), "texels", Absent::Value("64"),
+        "In mode indirect: their sides."),
+    key("cards.scale", Kind::Choice(SpriteScale::NAMES), "", Absent::Value("\"global\""),
+        "In mode indirect: leaves of one size, or each of its own."),
 
     key("device", Kind::Table, "", Absent::Value("{}"),
         "The simulated device."),

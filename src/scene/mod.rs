@@ -18,6 +18,7 @@
 #![doc = include_str!("keys.md")]
 
 mod camera;
+mod cards;
 mod forest;
 mod keys;
 mod model;
@@ -29,6 +30,9 @@ mod value;
 mod write;
 
 pub use camera::{Camera, CameraKey, Projection, View};
+pub use cards::{
+    CardCounts, CardDepth, CardOptions, CardOutline, CardSides, SpriteScale, Transparency,
+};
 pub use forest::{Area, Forest, ForestChoice, ForestSpecies, Layout, NoRoom};
 pub use keys::{Absent, KEYS, Key, Kind, key_help};
 pub use model::{
@@ -76,6 +80,8 @@ pub struct Scene {
     pub light: Light,
     /// The level-of-detail system and its options.
     pub model: ModelChoice,
+    /// What stands in for leaves where the model draws cards.
+    pub cards: CardOptions,
     /// The simulated device.
     pub device: DeviceChoice,
     /// What is compared with a stored reference, if anything.

@@ -178,6 +178,8 @@ choices! {
     }
 }
 
+pub(super) use choices;
+
 impl ModelName {
     /// The modes that the system has, the usual one first.
     #[must_use]

@@ -12,10 +12,11 @@ use crate::math::Digest;
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
-    Area, Camera, CameraKey, CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction,
-    Forest, ForestChoice, ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode,
-    ModelChoice, ModelName, NoRoom, Occlusion, PlantSource, Projection, RecordWidth, SampleCount,
-    Scene, SceneError, Simplifier, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
+    Area, Camera, CameraKey, CardCounts, CardDepth, CardOptions, CardOutline, CardSides,
+    CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction, Forest, ForestChoice,
+    ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode, ModelChoice, ModelName, NoRoom,
+    Occlusion, PlantSource, Projection, RecordWidth, SampleCount, Scene, SceneError, Simplifier,
+    SpriteScale, Terrain, Transparency, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -151,6 +152,7 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         camera: camera(&below("camera")?)?,
         light: light(&below("light")?)?,
         model: model(&below("model")?)?,
+        cards: cards(&below("cards")?)?,
         device: device(&below("device")?)?,
         golden: match root.table("golden")? {
             Some(table) => Some(golden(&table, frames)?),
@@ -382,6 +384,43 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         trunk_mode: TrunkMode::from_name(&name("trunk_mode")?).expect(NAMED),
         trunk_level: table.get("trunk_level")?,
         trunk_triangles: table.get("trunk_triangles")?.map(small),
+    })
+}
+
+fn cards(table: &Reader<'_>) -> Result<CardOptions, SceneError> {
+    /// The table of keys holds the same names as the type.
+    const NAMED: &str = "the table of keys allows these names only";
+    let name = |key| table.have::<String>(key);
+    let count = table.get("count")?.map(small);
+    let levels: Option<Vec<u64>> = table.get("levels")?;
+    let levels = match (levels, count) {
+        (None, count) => {
+            let most = count.unwrap_or(CardOptions::USUAL.levels.as_slice()[0]);
+            CardCounts::halved_from(most)
+        }
+        (Some(levels), count) => {
+            let levels: Vec<u32> = levels.into_iter().map(small).collect();
+            if let Some(count) = count.filter(|count| levels.first() != Some(count)) {
+                let wanted = format!("levels that begin with `count`, which is {count}");
+                return Err(table.refuse("levels", &wanted));
+            }
+            CardCounts::new(&levels)
+        }
+    };
+    Ok(CardOptions {
+        levels: levels.expect("the table of keys allows descending numbers only"),
+        texture: small(table.have("texture")?),
+        orientation_weight: table.have("orientation_weight")?,
+        plane_seeds: small(table.have("plane_seeds")?),
+        depth: CardDepth::from_name(&name("depth")?).expect(NAMED),
+        transparency: Transparency::from_name(&name("transparency")?).expect(NAMED),
+        outline: CardOutline::from_name(&name("outline")?).expect(NAMED),
+        sides: CardSides::from_name(&name("sides")?).expect(NAMED),
+        map: small(table.have("map")?),
+        layers: small(table.have("layers")?),
+        sprites: small(table.have("sprites")?),
+        sprite_texture: small(table.have("sprite_texture")?),
+        scale: SpriteScale::from_name(&name("scale")?).expect(NAMED),
     })
 }
 

@@ -36,17 +36,25 @@ impl Value for u64 {
 
 impl Value for Vec<u64> {
     fn read(kind: &Kind, found: &Found<'_>) -> Result<Self, Range<usize>> {
-        let Kind::Ascending { max, most } = *kind else {
-            return Err(found.span());
+        let (max, most) = match *kind {
+            Kind::Ascending { max, most } | Kind::Descending { max, most } => (max, most),
+            _ => return Err(found.span()),
         };
+        let ascending = matches!(kind, Kind::Ascending { .. });
         let list = array(found)?;
         if list.is_empty() || list.len() > most {
             return Err(found.span());
         }
         let mut values = Self::with_capacity(list.len());
         for entry in list.iter() {
-            let ascends = |value: &u64| values.last().is_none_or(|last| last < value);
-            let value = integer(entry).filter(|value| *value <= max).filter(ascends);
+            let follows = |value: &u64| match values.last() {
+                Some(last) if ascending => last < value,
+                Some(last) => last > value,
+                None => true,
+            };
+            let least = u64::from(!ascending);
+            let value = integer(entry).filter(|value| (least..=max).contains(value));
+            let value = value.filter(follows);
             values.push(value.ok_or(entry.span())?);
         }
         Ok(values)
@@ -283,7 +291,9 @@ mod tests {
                 Kind::OneOf(_) | Kind::Integer { .. } | Kind::Bytes { .. } => {
                     u64::read(&key.kind, &value).is_ok()
                 }
-                Kind::Ascending { .. } => Vec::<u64>::read(&key.kind, &value).is_ok(),
+                Kind::Ascending { .. } | Kind::Descending { .. } => {
+                    Vec::<u64>::read(&key.kind, &value).is_ok()
+                }
                 Kind::Size { .. } => ImageSize::read(&key.kind, &value).is_ok(),
                 Kind::Number { .. } => f32::read(&key.kind, &value).is_ok(),
                 Kind::Triple { .. } => Vec3::read(&key.kind, &value).is_ok(),

@@ -4,9 +4,9 @@ use crate::math::{Digest, Digester, Vec3};
 
 use super::value::BYTE_UNITS;
 use super::{
-    Camera, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice, Occlusion,
-    PlantSource, Projection, RecordWidth, SCHEMA, Scene, Simplifier, Terrain, Tree, TrunkMode,
-    TrunkName, VertexFormat,
+    Camera, CardOptions, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice,
+    Occlusion, PlantSource, Projection, RecordWidth, SCHEMA, Scene, Simplifier, Terrain, Tree,
+    TrunkMode, TrunkName, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -41,6 +41,7 @@ pub fn to_toml(scene: &Scene) -> String {
     text.key("color", &triple(scene.light.color));
     text.key("ambient", &triple(scene.light.ambient));
     write_model(&mut text, &scene.model);
+    write_cards(&mut text, &scene.cards);
     text.heading("[device]");
     text.key("memory", &byte_size(scene.device.memory));
     text.key("link", &quoted(&scene.device.link));
@@ -62,7 +63,7 @@ impl Scene {
     /// so are the places that a forest found.
     ///
     /// What came later stands at the end, after a text that names it, and only where it differs from
-    /// its default: forests, terrain, and `selection` before the model's criterion, amount (by kind
+    /// its default: forests, terrain, cards, and `selection` before the model's criterion, amount (by kind
     /// as `u32`), hysteresis and budget of bytes, which are not where the model is.
     /// [`ModelChoice::records`] and [`ModelChoice::vertices`] do so within their table.
     #[must_use]
@@ -102,6 +103,9 @@ impl Scene {
         }
         digest_selection(&mut digester, &self.model);
         digest_trunk(&mut digester, &self.model);
+        if self.cards != CardOptions::USUAL {
+            digest_cards(&mut digester, &self.cards);
+        }
         digester.finish()
     }
 }
@@ -244,6 +248,24 @@ fn write_model(text: &mut Text, model: &ModelChoice) {
     if let Some(triangles) = model.trunk_triangles {
         text.key("trunk_triangles", &triangles.to_string());
     }
+}
+
+fn write_cards(text: &mut Text, cards: &CardOptions) {
+    text.heading("[cards]");
+    let levels: Vec<String> = cards.levels.as_slice().iter().map(u32::to_string).collect();
+    text.key("levels", &format!("[{}]", levels.join(", ")));
+    text.key("texture", &cards.texture.to_string());
+    text.key("orientation_weight", &cards.orientation_weight.to_string());
+    text.key("plane_seeds", &cards.plane_seeds.to_string());
+    text.key("depth", &quoted(cards.depth.name()));
+    text.key("transparency", &quoted(cards.transparency.name()));
+    text.key("outline", &quoted(cards.outline.name()));
+    text.key("sides", &quoted(cards.sides.name()));
+    text.key("map", &cards.map.to_string());
+    text.key("layers", &cards.layers.to_string());
+    text.key("sprites", &cards.sprites.to_string());
+    text.key("sprite_texture", &cards.sprite_texture.to_string());
+    text.key("scale", &quoted(cards.scale.name()));
 }
 
 fn write_golden(text: &mut Text, golden: &Golden) {
@@ -421,6 +443,27 @@ fn digest_trunk(digester: &mut Digester, model: &ModelChoice) {
         None => _ = digester.u32(0),
         Some(triangles) => _ = digester.u32(1).u32(triangles),
     }
+}
+
+fn digest_cards(digester: &mut Digester, cards: &CardOptions) {
+    let levels = cards.levels.as_slice();
+    digester.text("cards").u64(levels.len() as u64);
+    for &count in levels {
+        digester.u32(count);
+    }
+    digester
+        .u32(cards.texture)
+        .f32(cards.orientation_weight)
+        .u32(cards.plane_seeds)
+        .u32(cards.depth as u32)
+        .u32(cards.transparency as u32)
+        .u32(cards.outline as u32)
+        .u32(cards.sides as u32)
+        .u32(cards.map)
+        .u32(cards.layers)
+        .u32(cards.sprites)
+        .u32(cards.sprite_texture)
+        .u32(cards.scale as u32);
 }
 
 fn digest_golden(digester: &mut Digester, golden: &Golden) {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::History;
-use crate::models::State;
+use crate::models::{CardLevel, State};
 
 /// One step of a walk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,7 +51,9 @@ impl Operation {
             (Self::To(state), _) => return history.fits(state).then(|| state.clone()),
             (Self::Collapse, State::Uniform { collapses }) => collapses.checked_add(1)?,
             (Self::Split, State::Uniform { collapses }) => collapses.checked_sub(1)?,
-            (Self::Collapse | Self::Split, State::Variable { .. }) => return None,
+            (Self::Collapse | Self::Split, State::Variable { .. } | State::Cards(_)) => {
+                return None;
+            }
         };
         let state = State::Uniform { collapses };
         history.fits(&state).then_some(state)
@@ -122,6 +124,7 @@ impl fmt::Display for Shown<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             State::Uniform { collapses } => write!(out, "level {collapses}"),
+            State::Cards(CardLevel(level)) => write!(out, "cards {level}"),
             State::Variable { counts } => {
                 write!(out, "clusters")?;
                 let shown = 16;

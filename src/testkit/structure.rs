@@ -75,7 +75,8 @@ pub(super) fn travel(structure: &mut impl Structure, from: &State, to: &State) -
             (*to..*from).for_each(|_| structure.split());
             true
         }
-        (State::Variable { .. }, State::Uniform { .. }) => false,
+        (State::Variable { .. } | State::Cards(_), State::Uniform { .. })
+        | (_, State::Cards(_)) => false,
     }
 }
 

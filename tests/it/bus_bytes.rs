@@ -231,7 +231,7 @@ crate::support::properties! {
         choices in proptest::collection::vec(any::<u64>(), 1..6),
     ) {
         let crown = random_crown(seed, leaves, roots);
-        for kind in Kind::ALL {
+        for kind in Kind::LEAVES {
             let start = random_state(&crown, seed);
             let options = if seed & 1 == 0 { OPTIONS } else { REGIONS };
             let mut stage = Stage::at(kind, options, &crown, &start, 8);
@@ -383,7 +383,7 @@ fn storage_is_what_lies_there() {
     });
     for crown in crowns.into_iter().flatten() {
         let formats = LeafFormat::ALL.into_iter();
-        let all = formats.flat_map(|format| Kind::ALL.map(|kind| (kind, format)));
+        let all = formats.flat_map(|format| Kind::LEAVES.map(|kind| (kind, format)));
         for (kind, format) in all {
             let model = kind.model(&crown, ModelOptions { format, ..OPTIONS });
             let storage = model.storage();

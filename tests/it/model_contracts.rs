@@ -10,7 +10,7 @@ use spinney::models::{
     Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, State,
     TrunkKind, TrunkLevel,
 };
-use spinney::scene::{TrunkMode, TrunkName};
+use spinney::scene::{CardOptions, TrunkMode, TrunkName};
 use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
 use spinney::testkit::strategy::{self, WalkOptions};
 use spinney::testkit::{
@@ -45,6 +45,7 @@ pub(crate) fn options(choice: u64) -> ModelOptions {
         } else {
             Occlusion::TwoPhase
         },
+        cards: CardOptions::USUAL,
     }
 }
 
@@ -338,7 +339,7 @@ mod seeded {
             State::Uniform { collapses } => State::Uniform {
                 collapses: collapses + 1,
             },
-            variable @ State::Variable { .. } => variable.clone(),
+            other @ (State::Variable { .. } | State::Cards(_)) => other.clone(),
         };
         fault.put(&mut stage, unused, further, |corners| corners - 4);
         stage.commit(to);

@@ -231,6 +231,10 @@ fn values_that_do_not_go_together_are_refused() {
             "6:1: `model.d_max`: found nothing, wanted more than `d_min`, which is 60",
         ),
         (
+            ending("[cards]\ncount = 8\nlevels = [9, 4]"),
+            "8:10: `cards.levels`: found a list of 2 values, wanted levels that begin with `count`, which is 8",
+        ),
+        (
             ending("[model]\nleaf_share = 0.5\nlevel = 0.5"),
             "7:14: `model.leaf_share`: found 0.5, wanted nothing, since `level` says how much detail",
         ),
@@ -448,6 +452,21 @@ vertices = "quantised"
 simplifier = "pruning"
 stop_leaves = 12
 level = 0.3
+[cards]
+count = 9
+levels = [9, 5]
+texture = 64
+orientation_weight = 0.5
+plane_seeds = 2
+depth = "relief"
+transparency = "coverage"
+outline = "trimmed"
+sides = "front"
+map = 16
+layers = 3
+sprites = 7
+sprite_texture = 32
+scale = "leaf"
 [device]
 memory = "1536 KiB"
 link = "agp8x"
@@ -468,6 +487,7 @@ fn full_scene_reads_as_written() {
     assert_eq!(scene.trees[1].plant_digest, Some(digest));
     assert_eq!(scene.device.memory, 3 << 19);
     assert_eq!(scene.model.level, Some(0.3));
+    assert_eq!(scene.cards.levels.as_slice(), [9, 5]);
     let golden = scene.golden.expect("there");
     assert_eq!((golden.frames, golden.tolerance), (vec![1, 3], 2));
 }
@@ -536,6 +556,9 @@ fn digest_knows_the_meaning_not_the_layout() {
         ending("[model]\npixel_error = 7"),
         ending("[model]\nhysteresis = 0.1"),
         ending("[model]\nbudget_bytes = 7"),
+        ending("[cards]\ncount = 31"),
+        ending("[cards]\nlevels = [32, 16]"),
+        ending("[cards]\nsides = \"front\""),
         ending("[golden]"),
         ending("[light]\nambient = [0, 0, 0]"),
         ending("[device]\nlink = \"agp1x\""),

@@ -168,6 +168,7 @@ properties! {
                 let stands = |state: &State| match state {
                     State::Uniform { collapses } => vec![*collapses],
                     State::Variable { counts } => counts.clone(),
+                    State::Cards(_) => Vec::new(),
                 };
                 let pairs = stands(&present).into_iter().zip(stands(&wanted(eye, 0.0)));
                 for ((stands, wish), range) in pairs.zip(ranges) {
@@ -284,7 +285,7 @@ properties! {
         let crown = random_crown(seed, leaves, roots);
         let gather = if seed & 1 == 0 { Gather::Single } else { Gather::Regions };
         let format = LeafFormat::ALL[index_usize(seed >> 1 & 3)];
-        for kind in Kind::ALL {
+        for kind in Kind::LEAVES {
             let options = ModelOptions { gather, format, ..OPTIONS };
             let mut stage = Stage::at(kind, options, &crown, &State::FINEST, 4);
             stage.device.take_ledger();

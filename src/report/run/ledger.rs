@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{PathEntry, RunHeader};
 use crate::gpu::{Ledger, Share, Ticks, Traffic, nanoseconds};
-use crate::models::State;
+use crate::models::{CardLevel, State};
 use crate::run::{Frame, Popping};
 
 /// The value of `schema` in `ledger.json`.
@@ -348,6 +348,7 @@ fn level_name(state: &State) -> String {
     match state {
         State::Uniform { collapses } => format!("uniform:{collapses}"),
         State::Variable { .. } => "variable".to_owned(),
+        State::Cards(CardLevel(level)) => format!("cards:{level}"),
     }
 }
 

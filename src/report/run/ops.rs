@@ -9,7 +9,8 @@
 //! A line names the trees whose state is another than on the line before; the first names all. After
 //! `uniform` stands the number of collapses done of the whole sequence. After `variable` stand pairs
 //! of a cluster and the number of collapses done in it, for the clusters that changed; where the tree
-//! was not variable on the line before, for those with any. After `trunk` stands the number of
+//! was not variable on the line before, for those with any. After `cards` stands where a model of cards
+//! stands between its levels, in 1/256. After `trunk` stands the number of
 //! collapses done of the trunk's sequence; without it, of a tree that is named, none is done.
 
 use serde::{Deserialize, Serialize};
@@ -17,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::ledger::json;
 use crate::limits;
 use crate::math::index_u32;
-use crate::models::{State, TreeState, TrunkLevel};
+use crate::models::{CardLevel, State, TreeState, TrunkLevel};
 use crate::report::ReportError;
 use crate::run::World;
 
@@ -36,6 +37,8 @@ struct TreeLine {
     uniform: Option<u32>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     variable: Option<Vec<(u32, u32)>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cards: Option<CardLevel>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     trunk: Option<u32>,
 }
@@ -68,6 +71,14 @@ fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLi
             tree,
             uniform: Some(*collapses),
             variable: None,
+            cards: None,
+            trunk,
+        },
+        State::Cards(level) => TreeLine {
+            tree,
+            uniform: None,
+            variable: None,
+            cards: Some(*level),
             trunk,
         },
         State::Variable { counts } => {
@@ -81,6 +92,7 @@ fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLi
                 tree,
                 uniform: None,
                 variable: Some(changed.map(|(c, count)| (index_u32(c), *count)).collect()),
+                cards: None,
                 trunk,
             }
         }
@@ -161,12 +173,23 @@ impl<'w> OpsReader<'w> {
             check(", trunk", collapses, most)?;
         }
         let trunk = TrunkLevel { collapses };
-        let foliage = match (change.uniform, &change.variable) {
-            (Some(collapses), None) => {
+        let foliage = match (change.uniform, &change.variable, change.cards) {
+            (None, None, Some(level)) => {
+                let levels = limits::CARD_LEVELS as u64;
+                let most = u64::from(CardLevel::STEPS) * (levels - 1);
+                if u64::from(level.0) > most {
+                    let found = level.0;
+                    return Err(format!(
+                        "tree {number}: level {found} of cards, at most {most}"
+                    ));
+                }
+                State::Cards(level)
+            }
+            (Some(collapses), None, None) => {
                 check("", collapses, crown.sequence().collapse_count())?;
                 State::Uniform { collapses }
             }
-            (None, Some(changed)) => {
+            (None, Some(changed), None) => {
                 let clusters = &crown.clusters().clusters;
                 let mut counts = match known.map(|known| &known.foliage) {
                     Some(State::Variable { counts }) => counts.clone(),
@@ -186,7 +209,8 @@ impl<'w> OpsReader<'w> {
                 State::Variable { counts }
             }
             _ => {
-                let message = format!("tree {number}: wanted either `uniform` or `variable`");
+                let message =
+                    format!("tree {number}: wanted one of `uniform`, `variable`, `cards`");
                 return Err(message);
             }
         };

@@ -30,10 +30,14 @@ impl Session<'_> {
                     },
                     None => trunk.level(axis.collapse_count(), all),
                 }),
-                foliage: if self.kind.has_levels() {
-                    axis
-                } else {
-                    State::FINEST
+                foliage: match (self.kind.shows_leaves(), self.kind.has_levels()) {
+                    (true, true) => axis,
+                    (true, false) => State::FINEST,
+                    (false, _) => {
+                        let levels = self.kind.card_levels(&self.scene.cards);
+                        let selector = &self.selector;
+                        State::Cards(selector.cards(crown, tree, &view, present, levels))
+                    }
                 },
             }
         };

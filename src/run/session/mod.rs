@@ -26,8 +26,8 @@ use crate::gpu::{
 };
 use crate::math::{Vec4, index_u32};
 use crate::models::{
-    Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Placement, Resident, Shared,
-    TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
+    CARD_GROUP, Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Placement, Resident,
+    Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
 };
 use crate::raster::{Samples, decode_srgb};
 use crate::scene::{ImageSize, SampleCount, Scene};
@@ -261,6 +261,7 @@ impl<'w> Session<'w> {
         let ground = self.ground.as_ref().map_or(0, Ground::triangle_count);
         let states = self.states();
         let leaves = self.leaf_count();
+        let cards: u64 = self.residents.iter().map(|one| one.card_triangles()).sum();
         let mut trunk_triangles = 0;
         for (tree, state) in self.world.trees.iter().zip(&states) {
             if let Some(trunk) = &self.world.trunks[tree.crown] {
@@ -276,7 +277,7 @@ impl<'w> Session<'w> {
             image_digest: image.digest(),
             image,
             leaves,
-            triangles: 2 * leaves + trunk_triangles + u64::from(ground),
+            triangles: 2 * leaves + cards + trunk_triangles + u64::from(ground),
             trunk_triangles,
             change: change.foliage,
             trunk_change: change.trunk,
@@ -427,10 +428,15 @@ impl<'w> Session<'w> {
         Ok(Shot::of(self.device.inspect_target(self.target)?))
     }
 
-    /// How many pixels show a leaf, by their first sample.
+    /// How many pixels show a leaf, or a card in place of some, by their first sample.
     #[must_use]
     pub fn covered_pixels(&self) -> u64 {
         let target = self.device.inspect_target(self.target);
-        target.map_or(0, |target| u64::from(target.pixels_showing(LEAF_GROUP)))
+        let groups = [LEAF_GROUP, CARD_GROUP].into_iter();
+        target.map_or(0, |target| {
+            groups
+                .map(|group| u64::from(target.pixels_showing(group)))
+                .sum()
+        })
     }
 }

@@ -13,6 +13,7 @@ use super::Counterexample;
 use super::enumerate::{Extent, SingleSteps, first, flat_crown};
 use super::tamper::{DeviceFault, Tampered};
 use crate::models::{Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, State};
+use crate::scene::CardOptions;
 
 /// What is taken through the cases.
 #[derive(Debug, Clone, Copy)]
@@ -197,6 +198,7 @@ const OPTIONS: ModelOptions = ModelOptions {
     gather: Gather::Single,
     format: LeafFormat::WIDE,
     occlusion: Occlusion::None,
+    cards: CardOptions::USUAL,
 };
 
 impl Subject {

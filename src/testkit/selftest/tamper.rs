@@ -8,6 +8,7 @@ use crate::gpu::{Corners, Draw, DrawFromCounter, DrawIndirect, Step};
 use crate::models::{
     Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion, State,
 };
+use crate::scene::CardOptions;
 
 /// What is wrong in a device model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +54,7 @@ const OPTIONS: ModelOptions = ModelOptions {
     gather: Gather::Single,
     format: LeafFormat::WIDE,
     occlusion: Occlusion::None,
+    cards: CardOptions::USUAL,
 };
 
 impl Tampered {
@@ -208,6 +210,7 @@ impl DeviceModel for Tampered {
         let done = |state: &State| match state {
             State::Uniform { collapses } => *collapses,
             State::Variable { counts } => counts.iter().sum(),
+            State::Cards(_) => 0,
         };
         let is_split = done(to) < done(&self.state);
         let mut asked = to.clone();

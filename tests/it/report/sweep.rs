@@ -473,7 +473,7 @@ fn storage_stands_beside_the_papers_figures() {
         (counts.vertices, counts.records, counts.groups),
         (120, 56, 4)
     );
-    assert_eq!(models.len(), Kind::ALL.len());
+    assert_eq!(models.len(), Kind::LEAVES.len());
     for model in models {
         let kind = Kind::labelled(&model.model).unwrap();
         let host = kind.model(&crown, OPTIONS).host_bytes();
