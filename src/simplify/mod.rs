@@ -9,6 +9,8 @@
 //! Plant.trunk ──collapse_vertices──▶ VertexCollapses ─┬─ mesh_after(level)
 //!   triangle mesh                      u → v          └─ strips_of ─▶ Strips
 //!              └─simplify_mesh──▶ SimplifiedMesh (both) ─parts─▶ kept elsewhere ─restored─▶ checked
+//! Plant.foliage ─leaf_sites─▶ LeafSite ─cluster_planes─▶ PlaneClusters ─▶ PlaneHierarchy
+//!   all with triangles          centre, normal             planes, leaf → plane    levels
 //! ```
 //!
 //! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
@@ -20,6 +22,7 @@ mod clusters;
 mod leaves;
 mod measure;
 mod mesh;
+mod planes;
 mod pruning;
 mod published;
 mod sequence;
@@ -32,6 +35,10 @@ pub use mesh::{
     EDGE_WEIGHT, LAST_TRIANGLES, LEAST_COSINE, SimplifiedMesh, SimplifiedParts, Strips,
     VERTEX_COLLAPSE_VERSION, VertexCollapse, VertexCollapseOptions, VertexCollapses,
     collapse_vertices, lowest_first, simplify_mesh, strips_of,
+};
+pub use planes::{
+    LeafSite, Plane, PlaneClusters, PlaneHierarchy, PlaneLevel, PlaneOptions, PlaneSolver,
+    cluster_planes, flattened, leaf_sites,
 };
 pub use pruning::{PruningOptions, hand_on_areas, prune_leaves};
 pub use published::{Erratum, PUBLISHED_ROWS, PublishedCell, PublishedRow};
