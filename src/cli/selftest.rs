@@ -60,7 +60,7 @@ fn as_text(report: &SelftestReport, terminal: &Terminal) -> String {
 }
 
 fn line(name: &str, result: &str, cases: &str) -> String {
-    format!("{name:<26}  {result:<22}  {cases:>8}\n")
+    format!("{name:<26}  {result:<25}  {cases:>8}\n")
 }
 
 /// A sentence as indented lines.

@@ -21,11 +21,13 @@ pub enum Law {
     Conservation,
     /// The same leaves give the same picture, and bytes that no draw reads do not matter.
     ImageEquality,
+    /// No step of K-means over leaves raises the total error.
+    ErrorNeverRises,
 }
 
 impl Law {
     /// Every law.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Partition,
         Self::BirthBeforeDeath,
         Self::SplitUndoesCollapse,
@@ -34,6 +36,7 @@ impl Law {
         Self::Residency,
         Self::Conservation,
         Self::ImageEquality,
+        Self::ErrorNeverRises,
     ];
 
     /// Its name.
@@ -48,6 +51,7 @@ impl Law {
             Self::Residency => "residency",
             Self::Conservation => "conservation",
             Self::ImageEquality => "image equality",
+            Self::ErrorNeverRises => "K-means error never rises",
         }
     }
 
@@ -63,6 +67,7 @@ impl Law {
             Self::Residency => "every byte that a draw can read is what a fresh upload holds",
             Self::Conservation => "what was written is what is held and what was counted",
             Self::ImageEquality => "the same leaves give the same picture",
+            Self::ErrorNeverRises => "no step of K-means over leaves raises the total error",
         }
     }
 

@@ -10,14 +10,17 @@
 //! | [residency](residency()) | two models | every byte that a draw can read is what a fresh upload holds |
 //! | [conservation](conservation()) | one model | what was written is what is held and what was counted |
 //! | [image equality](image_equality()) | two models | the same leaves give the same picture, whatever lies in dead bytes |
+//! | [K-means error never rises](error_never_rises()) | one clustering | no step raises the total error |
 //!
 //! Each says in its documentation which bug it was seen to catch; `spinney selftest` plants them all.
 
 mod cut;
+mod error;
 mod memory;
 mod ways;
 
 pub use cut::{birth_before_death, partition};
+pub use error::error_never_rises;
 pub(super) use memory::same_bytes;
 pub use memory::{
     conservation, conservation_of, image_equality, poison_dead_bytes, residency, residency_of,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::super::device::check_end;
-use super::super::laws::{Asked, detail_by_distance};
+use super::super::laws::{Asked, detail_by_distance, error_never_rises};
 use super::super::paper::{LeafCount, PaperFault, PaperLodf};
 use super::super::{
     DeviceModel as _, History, Law, ModelStructure, Tally, Violation, Walk, check_device_model,
@@ -12,8 +12,10 @@ use super::super::{
 use super::Counterexample;
 use super::enumerate::{Extent, SingleSteps, first, flat_crown};
 use super::tamper::{DeviceFault, Tampered};
+use crate::math::{Stream, Vec3};
 use crate::models::{Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, State};
 use crate::scene::CardOptions;
+use crate::simplify::{LeafSite, PlaneOptions, PlaneSolver, cluster_planes};
 
 /// What is taken through the cases.
 #[derive(Debug, Clone, Copy)]
@@ -26,10 +28,12 @@ pub(super) enum Subject {
     Device(Kind, Option<DeviceFault>),
     /// The number of leaves by distance.
     ByDistance(LeafCount),
+    /// K-means over leaves.
+    Planes(PlaneSolver),
 }
 
 /// Every mutant: its name, what is wrong, and the subject that has it.
-pub(super) const MUTANTS: [(&str, &str, Subject); 25] = {
+pub(super) const MUTANTS: [(&str, &str, Subject); 26] = {
     use DeviceFault as D;
     use PaperFault as P;
     [
@@ -158,6 +162,11 @@ pub(super) const MUTANTS: [(&str, &str, Subject); 25] = {
             "lodf-slots decides equal depth by slot",
             Subject::Device(Kind::LodfSlots, Some(D::TiesBySlotOrder)),
         ),
+        (
+            "literal eigen-solver",
+            "a cluster's plane by power iteration with the inverse, as printed",
+            Subject::Planes(PlaneSolver::Literal),
+        ),
     ]
 };
 
@@ -175,6 +184,8 @@ pub(super) fn sound() -> Vec<(String, Subject)> {
     }));
     let by_distance = Subject::ByDistance(LeafCount::WholeLeavesGo);
     sound.push(("leaves by distance".to_owned(), by_distance));
+    let planes = Subject::Planes(PlaneSolver::Jacobi);
+    sound.push(("planes through crowns".to_owned(), planes));
     sound
 }
 
@@ -226,6 +237,7 @@ impl Subject {
                 counterexample(walk, check_on_device(kind, fault, walk, tally))
             }),
             Self::ByDistance(count) => by_distance(count, cases, tally),
+            Self::Planes(solver) => planes(solver, cases, tally),
         }
     }
 }
@@ -279,6 +291,36 @@ fn by_distance(count: LeafCount, cases: &mut u64, tally: &mut Tally) -> Option<C
             if let Err(violation) = tally.count(Law::MonotoneDetail, law) {
                 let example = format!("from {most} leaves at 1 m to {least} at 2 m");
                 return Some(Counterexample { example, violation });
+            }
+        }
+    }
+    None
+}
+
+/// Crowns of two to twelve leaves at random in up to four planes, forty of each size.
+fn planes(solver: PlaneSolver, cases: &mut u64, tally: &mut Tally) -> Option<Counterexample> {
+    for leaves in 2..=12 {
+        for count in 1..=4 {
+            for seed in 0..40 {
+                *cases += 1;
+                let mut draws = Stream::new(seed, leaves).draws();
+                let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
+                let sites: Vec<LeafSite> = (0..leaves)
+                    .map(|_| LeafSite {
+                        centre: vector(),
+                        normal: vector().normalize_or_zero(),
+                    })
+                    .collect();
+                let options = PlaneOptions {
+                    seeds: 1,
+                    solver,
+                    ..PlaneOptions::to(count)
+                };
+                let law = error_never_rises(&cluster_planes(&sites, &options).errors);
+                if let Err(violation) = tally.count(Law::ErrorNeverRises, law) {
+                    let example = format!("{leaves} leaves in {count} planes, seed {seed}");
+                    return Some(Counterexample { example, violation });
+                }
             }
         }
     }
