@@ -2,6 +2,7 @@
 
 use fearless_simd::{Simd, f32x8};
 
+use super::by_sample;
 use super::tile::Passes;
 use crate::math::{Vec2, Vec4};
 
@@ -38,7 +39,36 @@ pub trait Fragment: Send + Sync + std::fmt::Debug {
         !Self::TESTS_ALPHA
     }
 
-    /// Texels that one [`keeps`](Self::keeps) reads; counted under exact counters.
+    /// Whether the samples of opaque fragments that are there follow from [`alpha`](Self::alpha), in
+    /// place of [`keeps`](Self::keeps).
+    const COVERAGE: bool = false;
+
+    /// How much of the pixel is covered, from 0 to 1; asked of opaque fragments where
+    /// [`COVERAGE`](Self::COVERAGE) says so, for an order in which samples drop out see the
+    /// [rule book](crate::raster).
+    fn alpha(&self, _: &Pixel<'_>) -> f32 {
+        1.0
+    }
+
+    /// Whether opaque fragments may show at another depth than their triangle's. Such triangles cost
+    /// more: none is left out early but by [`nearer_by`](Self::nearer_by).
+    const MOVES_DEPTH: bool = false;
+
+    /// What is added to the depth of the triangle at each sample of the pixel, to the eye where it is
+    /// less than 0; asked where [`MOVES_DEPTH`](Self::MOVES_DEPTH) says so. [`shade`](Self::shade) is
+    /// told the depth at the pixel's centre with it, all else without.
+    fn depth_offset(&self, _: &Pixel<'_>) -> f32 {
+        0.0
+    }
+
+    /// The most that [`depth_offset`](Self::depth_offset) takes off: it is cut there. The less, the more
+    /// is known to be hidden without asking.
+    fn nearer_by(&self) -> f32 {
+        f32::INFINITY
+    }
+
+    /// Texels that one [`keeps`](Self::keeps) or [`alpha`](Self::alpha), with one
+    /// [`depth_offset`](Self::depth_offset), reads; counted under exact counters.
     fn texels_tested(&self) -> u64 {
         0
     }
@@ -126,6 +156,8 @@ pub trait Kernel: Passes + Send + Sync + std::fmt::Debug {
     fn flats(&self) -> usize;
     /// [`Fragment::TESTS_ALPHA`].
     fn tests_alpha(&self) -> bool;
+    /// How much nearer than its triangle a fragment may show.
+    fn moves_nearer(&self) -> f32;
 }
 
 impl<F: Fragment> Kernel for F {
@@ -139,5 +171,9 @@ impl<F: Fragment> Kernel for F {
 
     fn tests_alpha(&self) -> bool {
         F::TESTS_ALPHA
+    }
+
+    fn moves_nearer(&self) -> f32 {
+        by_sample::bound_of(self)
     }
 }

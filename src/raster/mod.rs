@@ -47,7 +47,15 @@
 //! derivatives by the quotient rule. With four samples the centre may lie outside of the triangle:
 //! then attributes are extrapolated.
 //!
-//! *Alpha* is tested once a pixel and triangle, at the centre, for all of the pixel's samples.
+//! *Alpha* is tested once a pixel and triangle, at the centre, for all of the pixel's samples. A
+//! fragment stage may make it coverage instead: of four samples the first is there from an alpha of
+//! 0.125 on, the fourth, which lies opposite, from 0.375, the third from 0.625, the second from 0.875;
+//! of one sample from 0.5. Blended fragments are always tested.
+//!
+//! *Moved depth.* A fragment stage may add an offset to the depth of opaque fragments: asked once a
+//! pixel and triangle, at the centre, cut at the bound that the stage gives towards the eye, 0 where it
+//! is no number, added in `f32` to the triangle's depth at each sample, and the sum kept within [0, 1].
+//! Clipping knows only triangles.
 //!
 //! *Opaque* fragments win where they are nearer; where depths are equal, the least [`Key`] wins, also
 //! against what earlier calls left. A cleared sample has no key, and is not beaten by its own depth.
@@ -63,6 +71,7 @@
 //! is the one whose linear value is nearest as seen in sRGB.
 
 mod bin;
+mod by_sample;
 mod clip;
 mod colour;
 mod cover;

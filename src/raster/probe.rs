@@ -4,6 +4,7 @@
 //! the rule book's own words and without tiles, spans, lanes or anything that leaves work out. So it
 //! is slow a triangle, and a second witness of what the fast way shows.
 
+use super::by_sample::{Verdict, moved};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
 use super::setup::{Chunk, Triangle, key, set_up, vertex_ids};
 use super::view::{PixelBox, SUBPIXELS, View};
@@ -17,9 +18,10 @@ pub struct ProbedFragment {
     pub key: Key,
     /// The vertex ids of the primitive's corners, as submitted.
     pub corners: Vec<u32>,
-    /// The depth at each sample that the triangle covers; at least one is covered.
+    /// The depth at each sample that the triangle covers, at least one; of a fragment whose alpha is
+    /// coverage, at those of them that are there, if any is.
     pub depths: Vec<Option<f32>>,
-    /// Whether the alpha test keeps it.
+    /// Whether the alpha test keeps it; where alpha is coverage, whether it is there at any sample.
     pub kept: bool,
     /// Whether the triangle is seen from its front.
     pub front: bool,
@@ -79,12 +81,12 @@ fn look(
             continue;
         }
         let edges = Edges::of(triangle);
-        let depths: Vec<Option<f32>> = samples
+        let planes: Vec<Option<f32>> = samples
             .offsets()
             .iter()
             .map(|&offset| depth_of_sample(triangle, &edges, at, offset))
             .collect();
-        if depths.iter().all(Option::is_none) {
+        if planes.iter().all(Option::is_none) {
             continue;
         }
         let point = Point {
@@ -92,12 +94,23 @@ fn look(
             chunk,
             edges,
             pixel,
+            samples,
         };
-        let (kept, colour) = batch.kernel.probe(&point);
+        let (verdict, colour) = batch.kernel.probe(&point, batch.blend);
+        let depth = |(sample, plane): (usize, &Option<f32>)| {
+            plane.map(|plane| (verdict.samples >> sample & 1 == 1, verdict.depth(plane)))
+        };
+        let depths: Vec<Option<(bool, f32)>> = planes.iter().enumerate().map(depth).collect();
+        let kept = depths.iter().flatten().any(|(there, _)| *there);
+        // Of a fragment that is nowhere it is told where it would be.
+        let depth = |depth: &(bool, f32)| (depth.0 || !kept).then_some(depth.1);
         fragments.push(ProbedFragment {
             key: key(batch, triangle),
             corners: vertex_ids(batch, chunk, triangle).collect(),
-            depths,
+            depths: depths
+                .iter()
+                .map(|at| at.as_ref().and_then(depth))
+                .collect(),
             kept,
             front: triangle.front,
             blend: batch.blend,
@@ -129,19 +142,23 @@ pub struct Point<'a> {
     chunk: &'a Chunk<'a>,
     edges: Edges,
     pixel: [u32; 2],
+    samples: Samples,
 }
 
 impl Point<'_> {
-    /// Whether the fragment is there, and its colour.
-    pub(super) fn look<F: Fragment>(&self, fragment: &F) -> (bool, Vec4) {
+    /// What the fragment is, and its colour.
+    pub(super) fn look<F: Fragment>(&self, fragment: &F, blend: Blend) -> (Verdict, Vec4) {
         let [x, y] = self.pixel.map(u32::cast_signed);
         let [_, second, third] = self.edges.at_pixel(x, y);
         let centre = coordinates([second, third]);
         let depth = depth_at(self.triangle, centre);
         let attributes = Attributes::of::<F>(self.triangle, &self.edges, self.chunk);
-        attributes.pixel::<F, _>(centre, self.pixel, depth, |pixel| {
-            let kept = !F::TESTS_ALPHA || fragment.keeps_all() || fragment.keeps(pixel);
-            (kept, fragment.shade(pixel))
+        attributes.pixel::<F, _>(centre, self.pixel, depth, |pixel| match blend {
+            Blend::Opaque => (
+                Verdict::of(fragment, pixel, self.samples),
+                fragment.shade(&moved(fragment, pixel)),
+            ),
+            Blend::Alpha => (Verdict::tested(fragment, pixel), fragment.shade(pixel)),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::by_sample::moved;
 use super::items::NOBODY;
 use super::pixels::{Along, gains, visit_spans};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
@@ -38,8 +39,9 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
             let centre = coordinates([second, third]);
             let position = [x, y].map(i32::unsigned_abs);
             let depth = depth_at(triangle, centre);
-            let colour =
-                attributes.pixel::<F, _>(centre, position, depth, |pixel| kernel.shade(pixel));
+            let colour = attributes.pixel::<F, _>(centre, position, depth, |pixel| {
+                kernel.shade(&moved(kernel, pixel))
+            });
             for sample in 0..SAMPLES {
                 if item.mask() >> sample & 1 == 1 {
                     let index = item.index() * SAMPLES + sample;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use fearless_simd::dispatch;
 
 use super::bin::Entry;
+use super::by_sample::{self, Verdict};
 use super::cover::Candidates;
 use super::frame::{BLOCK_SIDE, NOTHING};
 use super::items::{Item, Items, NOBODY, each_owner};
@@ -15,7 +16,7 @@ use super::piece::Piece;
 use super::probe::Point;
 use super::reach::Cover;
 use super::setup::{Chunk, Triangle, key, vertex_ids};
-use super::view::{PixelBox, View};
+use super::view::{PixelBox, View, clamp_depth};
 use super::{Batch, Blend, Counters, Key, Samples, Skips, Work};
 use crate::math::{Vec4, index_u32};
 
@@ -225,8 +226,9 @@ impl<'t, 'a> Tile<'t, 'a> {
                     .fold(1.0, f32::min)
                     .max(0.0),
             };
+            let kernel = scene.batches[piece.batch as usize].kernel;
             visits.push(Visit {
-                nearest: nearest.to_bits(),
+                nearest: clamp_depth(nearest - kernel.moves_nearer()).to_bits(),
                 piece: number,
                 entries: [first, first + together.len()].map(index_u32),
             });
@@ -243,7 +245,9 @@ impl<'t, 'a> Tile<'t, 'a> {
             depth: self.depth,
         };
         let exact = self.scene.counters == Counters::Exact;
-        let cover = (!exact && self.scene.samples == Samples::One).then_some(&cover);
+        let kernel = self.scene.batches[piece.batch as usize].kernel;
+        let hides = !exact && self.scene.samples == Samples::One && kernel.moves_nearer() == 0.0;
+        let cover = hides.then_some(&cover);
         let triangles = &mut self.scratch.triangles;
         let chunk = piece.chunk(&self.scene.view, self.scene.batches, cover, triangles);
         let [first, end] = visit.entries.map(|place| place as usize);
@@ -501,13 +505,19 @@ pub trait Passes {
     );
     /// Blended triangles in order.
     fn blend(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>);
-    /// Whether a fragment passes the alpha test, and its colour.
-    fn probe(&self, point: &Point<'_>) -> (bool, Vec4);
+    /// What a fragment is where it meets what is there, and its colour.
+    fn probe(&self, point: &Point<'_>, blend: Blend) -> (Verdict, Vec4);
 }
 
 impl<F: super::Fragment> Passes for F {
     fn cover(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>) {
         let (level, samples) = (tile.scene.view.level, tile.scene.samples);
+        if F::MOVES_DEPTH || F::COVERAGE {
+            return match samples {
+                Samples::One => by_sample::cover::<F, 1>(self, tile, chunk, choice),
+                Samples::Four => by_sample::cover::<F, 4>(self, tile, chunk, choice),
+            };
+        }
         match samples {
             Samples::One => dispatch!(level, simd => {
                 super::cover::cover::<_, F, 1>(simd, self, tile, chunk, choice);
@@ -544,7 +554,7 @@ impl<F: super::Fragment> Passes for F {
         }
     }
 
-    fn probe(&self, point: &Point<'_>) -> (bool, Vec4) {
-        point.look(self)
+    fn probe(&self, point: &Point<'_>, blend: Blend) -> (Verdict, Vec4) {
+        point.look(self, blend)
     }
 }

@@ -7,10 +7,10 @@ use spinney::raster::{
     TileSize, Topology, Work, render_on,
 };
 
-const SIZE: [u32; 2] = [150, 101];
+pub(super) const SIZE: [u32; 2] = [150, 101];
 
 /// Leaves in space, some before the near plane, some huge, some level with others.
-fn leaves(count: u32, seed: u64) -> Drawing {
+pub(super) fn leaves(count: u32, seed: u64) -> Drawing {
     let mut draws = Stream::new(seed, 0).draws();
     let mut drawing = Drawing::new(SIZE[0], SIZE[1]);
     for leaf in 0..count {
@@ -32,11 +32,11 @@ fn leaves(count: u32, seed: u64) -> Drawing {
     drawing
 }
 
-fn draw(batches: &[Batch<'_>], samples: Samples, options: Options) -> (Target, Work) {
+pub(super) fn draw(batches: &[Batch<'_>], samples: Samples, options: Options) -> (Target, Work) {
     draw_on(Machine::THIS, batches, samples, options)
 }
 
-fn draw_on(
+pub(super) fn draw_on(
     machine: Machine,
     batches: &[Batch<'_>],
     samples: Samples,
@@ -48,20 +48,20 @@ fn draw_on(
     (target, Work::total(&rendered.works))
 }
 
-fn options(tile: TileSize, counters: Counters) -> Options {
+pub(super) fn options(tile: TileSize, counters: Counters) -> Options {
     Options { tile, counters }
 }
 
 /// With the best instructions and room, with none of both.
-const MACHINES: [Machine; 2] = [
+pub(super) const MACHINES: [Machine; 2] = [
     Machine::THIS,
     Machine {
         geometry_bytes: 0,
         instructions: Instructions::Scalar,
     },
 ];
-const TILES: [TileSize; 2] = [TileSize::Side32, TileSize::Side64];
-const SAMPLES: [Samples; 2] = [Samples::One, Samples::Four];
+pub(super) const TILES: [TileSize; 2] = [TileSize::Side32, TileSize::Side64];
+pub(super) const SAMPLES: [Samples; 2] = [Samples::One, Samples::Four];
 
 #[test]
 fn threads_tiles_and_counters_leave_no_trace() {
