@@ -8,8 +8,7 @@
 
 use super::program::{MAX_SLOTS, Words};
 use super::reads::ReadSet;
-use super::{BufferId, GpuError, Target};
-use crate::raster::Samples;
+use super::{BufferId, DepthMap, GpuError};
 
 /// A program that turns buffers into buffers, with a stable identity. Parameters are bytes in
 /// buffers.
@@ -99,7 +98,7 @@ pub(super) enum GroupSlot<'a> {
     /// All of a buffer.
     All(Words<'a>),
     /// The depth of a target.
-    Depth(&'a Target),
+    Depth(DepthMap<'a>),
     /// The bytes that the group owns, and where they begin in their buffer.
     Own {
         buffer: BufferId,
@@ -173,7 +172,7 @@ impl Group<'_> {
     #[must_use]
     pub fn size(&self, slot: usize) -> [u32; 2] {
         match self.slots.get(slot) {
-            Some(GroupSlot::Depth(target)) => [target.width(), target.height()],
+            Some(GroupSlot::Depth(map)) => map.size(),
             _ => [0; 2],
         }
     }
@@ -182,17 +181,15 @@ impl Group<'_> {
     /// Beside the target it is 0.
     #[must_use]
     pub fn farthest_depth(&mut self, slot: usize, [x, y]: [u32; 2]) -> f32 {
-        let Some(GroupSlot::Depth(target)) = self.slots.get(slot) else {
+        let Some(GroupSlot::Depth(map)) = self.slots.get(slot) else {
             return 0.0;
         };
-        if x >= target.width() || y >= target.height() {
+        let [width, height] = map.size();
+        if x >= width || y >= height {
             return 0.0;
         }
-        self.bytes += match target.samples() {
-            Samples::One => 4,
-            Samples::Four => 16,
-        };
-        target.farthest_depth(x, y)
+        self.bytes += map.pixel_bytes();
+        map.farthest([x, y])
     }
 
     /// Writes a word that the group owns, counted from the first; anything else is dropped.

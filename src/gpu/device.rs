@@ -201,6 +201,27 @@ impl Device {
         &mut self,
         descriptor: &TargetDescriptor<'_>,
     ) -> Result<TargetId, GpuError> {
+        self.add_target(descriptor, Target::new)
+    }
+
+    /// Makes a render target of depth alone, of 4 bytes a sample: what is drawn into it is not shaded,
+    /// and what is blended leaves no trace.
+    ///
+    /// # Errors
+    ///
+    /// As [`create_target`](Self::create_target).
+    pub fn create_depth_target(
+        &mut self,
+        descriptor: &TargetDescriptor<'_>,
+    ) -> Result<TargetId, GpuError> {
+        self.add_target(descriptor, Target::of_depth)
+    }
+
+    fn add_target(
+        &mut self,
+        descriptor: &TargetDescriptor<'_>,
+        make: fn(u32, u32, Samples) -> Target,
+    ) -> Result<TargetId, GpuError> {
         let TargetDescriptor {
             label,
             width,
@@ -210,8 +231,8 @@ impl Device {
         for (what, side) in [("width", width), ("height", height)] {
             check(label, what, side, 1, limits::IMAGE_SIDE)?;
         }
-        self.allocate(label, target_bytes(width, height, samples))?;
-        let target = Target::new(width, height, samples);
+        let target = make(width, height, samples);
+        self.allocate(label, target_bytes(&target))?;
         self.targets.push(Some(TargetSlot {
             label: label.to_owned(),
             target,
@@ -245,9 +266,11 @@ impl Device {
     ///
     /// # Errors
     ///
-    /// [`GpuError::Unknown`] when the target does not exist.
+    /// [`GpuError::Unknown`] when the target does not exist, [`GpuError::Usage`] where it has no colour.
     pub fn present(&self, target: TargetId) -> Result<Image, GpuError> {
-        Ok(self.target(target)?.target.resolve())
+        let slot = self.target(target)?;
+        slot.check_colour()?;
+        Ok(slot.target.resolve())
     }
 
     /// What shows at a pixel (its first sample); `None` for background or outside.
@@ -311,9 +334,7 @@ impl Device {
                 .sum::<u64>();
         }
         for slot in self.targets.iter().flatten() {
-            let target = &slot.target;
-            *sums.entry(&slot.label).or_default() +=
-                target_bytes(target.width(), target.height(), target.samples());
+            *sums.entry(&slot.label).or_default() += target_bytes(&slot.target);
         }
         let mut list: Vec<_> = sums
             .into_iter()
@@ -543,12 +564,13 @@ fn blank_texels(descriptor: &TextureDescriptor<'_>, sizes: &[u64]) -> MipMap {
     .expect("level sizes follow from the checked sides")
 }
 
-fn target_bytes(width: u32, height: u32, samples: Samples) -> u64 {
-    let samples = match samples {
+fn target_bytes(target: &Target) -> u64 {
+    let samples = match target.samples() {
         Samples::One => 1,
         Samples::Four => 4,
     };
-    8 * samples * u64::from(width) * u64::from(height)
+    let each = if target.has_colour() { 8 } else { 4 };
+    each * samples * u64::from(target.width()) * u64::from(target.height())
 }
 
 fn check(

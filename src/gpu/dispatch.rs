@@ -10,7 +10,7 @@ use super::compute::{Access, ComputeProgram, Group, GroupSlot};
 use super::ledger::ComputeCounts;
 use super::pass::{BIND_BYTES, ComputePass, ComputeStep, DISPATCH_BYTES};
 use super::program::{MAX_SLOTS, Words};
-use super::{BufferId, Device, GpuError, Ledger, TargetId, Usage};
+use super::{BufferId, DepthMap, Device, GpuError, Ledger, TargetId, Usage};
 use crate::math::index_usize;
 use crate::raster::Counters;
 
@@ -220,12 +220,7 @@ fn run_groups(
         let mut parts = owned.iter_mut();
         let slots = layout.slots.iter().zip(&dispatch.bound);
         let slots = slots.map(|(access, &place)| match (access, place) {
-            (_, Bound::Depth(id)) => {
-                let slot = device
-                    .target(id)
-                    .expect("the handle was checked by the plan");
-                GroupSlot::Depth(&slot.target)
-            }
+            (_, Bound::Depth(id)) => GroupSlot::Depth(DepthMap::of(device, id)),
             (Access::Recall, Bound::Buffer(id)) => {
                 GroupSlot::All(Words::of(id, device.living(id), None))
             }

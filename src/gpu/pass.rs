@@ -97,6 +97,13 @@ pub enum Step {
         /// The texture.
         texture: TextureId,
     },
+    /// Sets a target whose depth the fragment stage reads, another than the pass draws into.
+    Depth {
+        /// The program's slot, counted apart from those of textures.
+        slot: u32,
+        /// The target.
+        target: TargetId,
+    },
     /// Leaves a texture slot empty.
     NoTexture {
         /// The program's slot.

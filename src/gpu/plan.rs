@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::assemble::{Arguments, corners, triangles_of_strips, windows};
+use super::depth::check_other;
 use super::mesh::{Mesh, MeshKey, Meshes};
 use super::pass::{
     BIND_BYTES, Corners, DRAW_BYTES, DrawFromCounter, DrawIndirect, INDIRECT_BYTES, PASS_BYTES,
@@ -11,7 +12,9 @@ use super::pass::{
 };
 use super::program::{Bindings, Layout, MAX_SLOTS, Program, Words};
 use super::resource::Buffer;
-use super::{BufferId, Device, GpuError, ProgramId, Residency, TextureId, Usage};
+use super::{
+    BufferId, DepthMap, Device, GpuError, ProgramId, Residency, TargetId, TextureId, Usage,
+};
 use crate::math::{index_u32, index_usize};
 use crate::raster::Topology;
 
@@ -77,6 +80,7 @@ pub(super) struct State {
     pub(super) indices: Option<BufferId>,
     pub(super) storage: [Option<BufferId>; MAX_SLOTS],
     textures: [Option<TextureId>; MAX_SLOTS],
+    depths: [Option<TargetId>; MAX_SLOTS],
 }
 
 impl State {
@@ -91,6 +95,9 @@ impl State {
             textures: self.textures.map(|slot| {
                 slot.map(|id| &device.texture(id).expect("checked by the plan").texels)
             }),
+            depths: self
+                .depths
+                .map(|slot| slot.map(|id| DepthMap::of(device, id))),
         }
     }
 
@@ -174,6 +181,7 @@ pub(super) fn plan(
     let mut indices = None;
     let mut storage = [None; MAX_SLOTS];
     let mut textures = [None; MAX_SLOTS];
+    let mut depths = [None; MAX_SLOTS];
     let mut program: Option<(ProgramId, Arc<dyn Program>)> = None;
     meshes.begin_pass();
     for step in &pass.steps {
@@ -207,6 +215,11 @@ pub(super) fn plan(
             Step::Texture { slot, texture } => {
                 device.texture(texture)?;
                 *slot_mut(&mut textures, slot)? = Some(texture);
+                None
+            }
+            Step::Depth { slot, target } => {
+                check_other(device, target, pass.target)?;
+                *slot_mut(&mut depths, slot)? = Some(target);
                 None
             }
             Step::NoTexture { slot } => {
@@ -269,6 +282,7 @@ pub(super) fn plan(
                 indices,
                 storage,
                 textures,
+                depths,
             }));
         }
         let state = state.as_ref().expect("set above");

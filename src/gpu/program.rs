@@ -1,8 +1,8 @@
 //! Programs: the stages of a draw, and what they may read.
 
-use super::BufferId;
 use super::reads::ReadSet;
 use super::resource::Buffer;
+use super::{BufferId, DepthMap};
 use crate::math::{Mat4, Vec3};
 use crate::raster::{Blend, Geometry, Instructions, Kernel, MipMap, Topology};
 
@@ -129,6 +129,7 @@ pub struct Bindings<'a> {
     pub(super) vertices: Words<'a>,
     pub(super) storage: [Option<Words<'a>>; MAX_SLOTS],
     pub(super) textures: [Option<&'a MipMap>; MAX_SLOTS],
+    pub(super) depths: [Option<DepthMap<'a>>; MAX_SLOTS],
 }
 
 impl<'a> Bindings<'a> {
@@ -152,6 +153,12 @@ impl<'a> Bindings<'a> {
     #[must_use]
     pub fn texture(&self, slot: usize) -> Option<&'a MipMap> {
         self.textures.get(slot).copied().flatten()
+    }
+
+    /// The depth of a target, where one is bound.
+    #[must_use]
+    pub fn depth(&self, slot: usize) -> Option<DepthMap<'a>> {
+        self.depths.get(slot).copied().flatten()
     }
 }
 

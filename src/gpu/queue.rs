@@ -172,7 +172,8 @@ impl<'d> Queue<'d> {
     ///
     /// # Errors
     ///
-    /// [`GpuError::Unknown`] when the target does not exist.
+    /// [`GpuError::Unknown`] when the target does not exist, [`GpuError::Usage`] for colour that it does
+    /// not have.
     pub fn read_target(
         &mut self,
         target: TargetId,
@@ -180,6 +181,9 @@ impl<'d> Queue<'d> {
         cause: Cause,
     ) -> Result<Vec<u8>, GpuError> {
         let slot = self.device.target(target)?;
+        if layer != TargetLayer::Depth {
+            slot.check_colour()?;
+        }
         let bytes = slot.target.layer_bytes(layer);
         let (label, size) = (slot.label.clone(), bytes.len() as u64);
         self.device

@@ -174,3 +174,16 @@ pub(super) struct TargetSlot {
     pub(super) label: String,
     pub(super) target: Target,
 }
+
+impl TargetSlot {
+    pub(super) fn check_colour(&self) -> Result<(), GpuError> {
+        if self.target.has_colour() {
+            return Ok(());
+        }
+        Err(GpuError::Usage {
+            label: self.label.clone(),
+            has: "depth alone".to_owned(),
+            wanted: "colour".to_owned(),
+        })
+    }
+}

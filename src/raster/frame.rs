@@ -17,9 +17,17 @@ pub struct Target {
     samples: Samples,
     /// What samples of fresh blocks hold.
     clear_colour: Vec4,
+    holds: Holds,
     clear_depth: u32,
     columns: usize,
     pub(super) blocks: Vec<Block>,
+}
+
+/// What a sample holds beside its depth and what shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    Colour,
+    Nothing,
 }
 
 /// Pixels a side of the blocks in which a target is stored.
@@ -51,6 +59,21 @@ impl Target {
     /// When a side is above [`Target::MAX_SIDE`]; sides are checked where they enter.
     #[must_use]
     pub fn new(width: u32, height: u32, samples: Samples) -> Self {
+        Self::holding(Holds::Colour, width, height, samples)
+    }
+
+    /// The same without colour: nothing is shaded, and blended batches leave no trace. All of it is of
+    /// the colour that it was cleared to.
+    ///
+    /// # Panics
+    ///
+    /// As [`new`](Self::new).
+    #[must_use]
+    pub fn of_depth(width: u32, height: u32, samples: Samples) -> Self {
+        Self::holding(Holds::Nothing, width, height, samples)
+    }
+
+    fn holding(holds: Holds, width: u32, height: u32, samples: Samples) -> Self {
         assert!(
             width.max(height) <= Self::MAX_SIDE,
             "a target of {width} × {height} pixels passed the border, the most is {}",
@@ -62,6 +85,7 @@ impl Target {
             height,
             samples,
             clear_colour: Vec4::ZERO,
+            holds,
             clear_depth: 1.0_f32.to_bits(),
             columns: blocks(width),
             blocks: vec![Block::default(); blocks(width) * blocks(height)],
@@ -84,6 +108,12 @@ impl Target {
     #[must_use]
     pub fn samples(&self) -> Samples {
         self.samples
+    }
+
+    /// Whether samples have a colour.
+    #[must_use]
+    pub fn has_colour(&self) -> bool {
+        self.holds == Holds::Colour
     }
 
     /// Gives all samples a linear colour and a depth within [0, 1], and lets nothing show.
@@ -138,10 +168,10 @@ impl Target {
     /// The linear colour of a pixel: of four samples the mean, `((a + b) + (c + d)) / 4`.
     #[must_use]
     pub fn colour(&self, x: u32, y: u32) -> Vec4 {
-        self.place(x, y)
-            .map_or(self.clear_colour, |(block, index)| {
-                block.resolve(index, self.samples)
-            })
+        let place = self.place(x, y).filter(|_| self.has_colour());
+        place.map_or(self.clear_colour, |(block, index)| {
+            block.resolve(index, self.samples)
+        })
     }
 
     /// The linear colours of all pixels, rows from the top.
@@ -171,7 +201,7 @@ impl Target {
             let mut last = (self.clear_colour, clear);
             for (pixels, block) in row.chunks_mut(4 * BLOCK_SIDE as usize).zip(blocks) {
                 for (index, pixel) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-                    *pixel = if block.used {
+                    *pixel = if block.used && self.has_colour() {
                         let colour = block.resolve(first + index, self.samples);
                         if colour != last.0 {
                             last = (colour, encode(encoder, colour));
@@ -205,7 +235,7 @@ impl Target {
     pub(super) fn parts(&mut self) -> (Ready, usize, &mut [Block]) {
         let ready = Ready {
             count: (BLOCK_SIDE * BLOCK_SIDE) as usize * self.samples.count(),
-            colour: self.clear_colour,
+            colour: self.has_colour().then_some(self.clear_colour),
             depth: self.clear_depth,
         };
         (ready, self.columns, &mut self.blocks)
@@ -216,7 +246,7 @@ impl Target {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ready {
     count: usize,
-    colour: Vec4,
+    colour: Option<Vec4>,
     depth: u32,
 }
 
@@ -226,7 +256,9 @@ impl Ready {
         if !block.used {
             block.used = true;
             refill(&mut block.depth, self.count, self.depth);
-            refill(&mut block.colour, self.count, self.colour);
+            if let Some(colour) = self.colour {
+                refill(&mut block.colour, self.count, colour);
+            }
             refill(&mut block.shown, self.count, NOTHING);
             block.keys.clear();
         }

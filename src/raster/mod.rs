@@ -75,6 +75,7 @@ mod by_sample;
 mod clip;
 mod colour;
 mod cover;
+mod depth_only;
 mod frame;
 mod items;
 mod kernel;

@@ -204,9 +204,15 @@ impl<'t, 'a> Tile<'t, 'a> {
             first = range.end;
             match scene.batches[batch(&entries[0]) as usize].blend {
                 Blend::Opaque => self.draw_opaque(range),
-                Blend::Alpha => self.blend(range),
+                Blend::Alpha if self.has_colour() => self.blend(range),
+                Blend::Alpha => {}
             }
         }
+    }
+
+    /// Whether there is anything to shade for.
+    fn has_colour(&self) -> bool {
+        !self.colour.is_empty()
     }
 
     /// The entries of each piece; those of a piece follow one another.
@@ -535,6 +541,9 @@ impl<F: super::Fragment> Passes for F {
         winners: &Winners<'_>,
         places: Range<usize>,
     ) {
+        if !tile.has_colour() {
+            return super::depth_only::own(tile, chunk, winners, places);
+        }
         match tile.scene.samples {
             Samples::One => super::shade::shade::<F, 1>(self, tile, chunk, winners, places),
             Samples::Four => super::shade::shade::<F, 4>(self, tile, chunk, winners, places),

@@ -3,6 +3,7 @@
 
 mod compute;
 mod counting;
+mod depth;
 mod draws;
 mod handles;
 mod ranges;
@@ -11,11 +12,11 @@ use std::sync::Arc;
 
 use proptest::prelude::{ProptestConfig, any, prop_assert_eq};
 use spinney::gpu::{
-    Bindings, Blend, BufferDescriptor, BufferId, Cause, Command, Corners, Device, DeviceDescriptor,
-    Draw, DrawFromCounter, DrawIndirect, Fragment, Geometry, GpuError, IndirectRecord, Kernel,
-    Layout, Ledger, Link, Load, Pixel, Program, ProgramId, Recording, Region, RenderPass,
-    Residency, Step, Stream, TargetDescriptor, TargetId, TargetLayer, TextureDescriptor,
-    TextureFormat, TextureId, Topology, Transfer, Usage, VertexCall,
+    Bindings, Blend, BufferDescriptor, BufferId, Cause, Command, Corners, DepthMap, Device,
+    DeviceDescriptor, Draw, DrawFromCounter, DrawIndirect, Fragment, Geometry, GpuError,
+    IndirectRecord, Kernel, Layout, Ledger, Link, Load, Pixel, Program, ProgramId, Recording,
+    Region, RenderPass, Residency, Step, Stream, TargetDescriptor, TargetId, TargetLayer,
+    TextureDescriptor, TextureFormat, TextureId, Topology, Transfer, Usage, VertexCall,
 };
 use spinney::math::{Vec4, index_u32};
 use spinney::raster::{Counters, Image, Options, Samples, TileSize};
