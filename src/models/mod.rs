@@ -23,6 +23,8 @@
 //! | [`Kind::LodfStamps`] | vertices, every record once with its birth | 4 B; 4 B a changed cluster between variable states |
 //! | [`Kind::LodfDevice`] | vertices, every record once with its birth, the clusters' boxes and collapses | nothing but the [`Camera`] (24 B) where that decides; else as `LodfStamps` |
 //! | [`Kind::LodfLiteral`] | as `LodfCluster` | as `LodfCluster`, of the papers' static list: wrong leaves |
+//! | [`Kind::Impostors`] | no leaves: textures and corners of cards, at all levels | 4 B |
+//! | [`Kind::IndirectImpostors`] | no leaves: maps, pictures of a leaf, corners of cards | 4 B |
 //!
 //! Instances of one species that `LodfDevice` draws share buffers, one dispatch and one draw command, and
 //! may leave out what is hidden ([`Occlusion`]): [`frame_commands`] puts a frame's passes in order.
@@ -75,7 +77,8 @@ pub use surface::{CARD_GROUP, LEAF_GROUP, shows_foliage};
 pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel, TrunkSimplifier};
 
-use crate::gpu::{Command, Device, GpuError, Queue, Step};
+use crate::gpu::{Command, Device, GpuError, Ledger, Queue, Step};
+use crate::math::index_u32;
 use crate::scene::CardOptions;
 
 /// A level-of-detail model of one crown: immutable, made offline.
@@ -106,6 +109,11 @@ pub trait Model: Send + Sync + std::fmt::Debug {
 
     /// What it takes to keep it.
     fn storage(&self) -> Storage;
+
+    /// What it cost to bake its textures on a device of its own, offline; `None` where none are baked.
+    fn baked(&self) -> Option<&Ledger> {
+        None
+    }
 }
 
 /// What all instances of a model share on a device, with levels of detail told by `S`.
@@ -212,7 +220,8 @@ pub struct TreeChange {
     pub trunk: Change,
 }
 
-/// What it takes to keep a model, in bytes, without textures and materials.
+/// What it takes to keep a model, in bytes, without the plant's textures and materials: textures that a
+/// model makes are its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Storage {
     /// In host memory, once a species.
@@ -246,6 +255,10 @@ pub enum Kind {
     LodfDevice,
     /// LoDF with the papers' static list, which shows wrong leaves.
     LodfLiteral,
+    /// Leaf cluster impostors with a texture each.
+    Impostors,
+    /// Leaf cluster impostors with a map of leaves each, and pictures of one leaf.
+    IndirectImpostors,
 }
 
 impl Kind {
@@ -275,7 +288,19 @@ impl Kind {
     ];
 
     /// Every kind.
-    pub const ALL: [Self; 9] = Self::LEAVES;
+    pub const ALL: [Self; 11] = [
+        Self::Full,
+        Self::VdfHost,
+        Self::VdfIndices,
+        Self::LodfHost,
+        Self::LodfCluster,
+        Self::LodfSlots,
+        Self::LodfStamps,
+        Self::LodfDevice,
+        Self::LodfLiteral,
+        Self::Impostors,
+        Self::IndirectImpostors,
+    ];
 
     /// The name of the model and the name of its mode, as in scene files.
     #[must_use]
@@ -290,6 +315,8 @@ impl Kind {
             Self::LodfStamps => ("lodf", "stamps"),
             Self::LodfDevice => ("lodf", "device"),
             Self::LodfLiteral => ("lodf", "literal"),
+            Self::Impostors => ("impostors", "direct"),
+            Self::IndirectImpostors => ("impostors", "indirect"),
         }
     }
 
@@ -332,8 +359,11 @@ impl Kind {
 
     /// Where it has [levels](Self::has_levels) of cards: how many. Else 1.
     #[must_use]
-    pub fn card_levels(self, _options: &CardOptions) -> u32 {
-        1
+    pub fn card_levels(self, options: &CardOptions) -> u32 {
+        match self {
+            Self::Impostors | Self::IndirectImpostors => index_u32(options.levels.as_slice().len()),
+            _ => 1,
+        }
     }
 
     /// Whether it selects on the device: it needs a card that computes, and
@@ -357,6 +387,8 @@ impl Kind {
             Self::LodfSlots => Box::new(lodf::Slots::new(crown, options)),
             Self::LodfStamps => Box::new(lodf::Stamps::new(crown, options)),
             Self::LodfDevice => Box::new(lodf::Refined::new(crown, options)),
+            Self::Impostors => Box::new(cards::Impostors::new(crown, options)),
+            Self::IndirectImpostors => Box::new(cards::IndirectImpostors::new(crown, options)),
         }
     }
 }

@@ -45,6 +45,8 @@ choices! {
         Full = "full",
         /// View-dependent foliage ([RC03](crate::references)).
         Vdf = "vdf",
+        /// Leaf cluster impostors ([GSS05](crate::references)).
+        Impostors = "impostors",
     }
 }
 
@@ -67,6 +69,10 @@ choices! {
         Resident = "resident",
         /// Every leaf record once; the device selects by itself, and the camera is sent.
         Device = "device",
+        /// Impostors only: a texture each.
+        Direct = "direct",
+        /// Impostors only: a map of leaves each, and pictures of one leaf.
+        Indirect = "indirect",
     }
 }
 
@@ -195,6 +201,16 @@ impl ModelName {
             ],
             Self::Full => &[Mode::Resident],
             Self::Vdf => &[Mode::Host, Mode::Indices],
+            Self::Impostors => &[Mode::Direct, Mode::Indirect],
+        }
+    }
+
+    /// Whether what it draws are leaves, and not cards in their place.
+    #[must_use]
+    pub fn shows_leaves(self) -> bool {
+        match self {
+            Self::Lodf | Self::Full | Self::Vdf => true,
+            Self::Impostors => false,
         }
     }
 }

@@ -360,6 +360,14 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         let wanted = format!("nothing, since `{first}` says how much detail");
         return Err(table.refuse(second, &wanted));
     }
+    if !model.shows_leaves() {
+        for key in ["leaf_budget", "leaf_share", "pixel_error"] {
+            if table.has(key) {
+                let wanted = format!("nothing, since {:?} shows no leaves", model.name());
+                return Err(table.refuse(key, &wanted));
+            }
+        }
+    }
     let budget = table.get("leaf_budget")?.map(small).map(LeafAmount::Budget);
     let share = table.get("leaf_share")?.map(LeafAmount::Share);
     let error = table.get("pixel_error")?.map(LeafAmount::PixelError);

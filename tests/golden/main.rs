@@ -28,6 +28,7 @@ macro_rules! goldens {
 }
 
 goldens! {
+    cards { impostors impostors_indirect impostors_trimmed }
     digest { walk_cluster walk_slots walk_stamps yew }
     forest { hill }
     full { four_samples resident }

@@ -2,6 +2,7 @@
 
 mod bus_bytes;
 mod bytes;
+mod cards;
 mod cli;
 mod closed_form;
 mod determinism;

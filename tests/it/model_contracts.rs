@@ -7,10 +7,12 @@ use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_oneof, proptest};
 use spinney::math::{index_u32, index_usize};
 use spinney::models::{
-    Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, State,
-    TrunkKind, TrunkLevel,
+    CardLevel, Crown, Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records,
+    State, TrunkKind, TrunkLevel,
 };
-use spinney::scene::{CardOptions, TrunkMode, TrunkName};
+use spinney::scene::{
+    CardCounts, CardOptions, CardOutline, CardSides, SpriteScale, TrunkMode, TrunkName,
+};
 use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
 use spinney::testkit::strategy::{self, WalkOptions};
 use spinney::testkit::{
@@ -20,7 +22,8 @@ use spinney::testkit::{
 
 use crate::laws::check_conservation;
 use crate::support::{
-    Cases, OPTIONS, Stage, StageExt as _, random_crown, random_trunk, trunk_picture, trunk_stage,
+    Cases, OPTIONS, Stage, StageExt as _, descriptor, random_crown, random_trunk, trunk_picture,
+    trunk_stage,
 };
 
 pub(crate) const SIDE: u32 = 48;
@@ -150,6 +153,70 @@ fn trunk_walk(
     check_end(&mut walked, &mut fresh, reference.as_ref(), tally)
 }
 
+/// One walk of cards that stand for a few leaves, from level to level: residency and prices at every
+/// step, the image and the ledger at the end.
+fn card_walk(kind: Kind, seed: u64, levels: &[u32], tally: &mut Tally) -> Result<(), Violation> {
+    let crown = random_crown(seed, 3 + index_u32(index_usize(seed >> 8 & 15)), 2);
+    let mut options = options(seed);
+    options.cards = CardOptions {
+        levels: CardCounts::new(&[4, 2, 1]).expect("descending"),
+        texture: 8,
+        map: 8,
+        layers: 64,
+        sprites: 5,
+        sprite_texture: 8,
+        scale: SpriteScale::ALL[index_usize(seed >> 7 & 1)],
+        outline: CardOutline::ALL[index_usize(seed >> 5 & 1)],
+        sides: CardSides::ALL[index_usize(seed >> 6 & 1)],
+        ..CardOptions::USUAL
+    };
+    let model = kind.model(&crown, options);
+    let most = CardLevel::STEPS * (kind.card_levels(&options.cards) - 1);
+    let state = |&level: &u32| State::Cards(CardLevel(level % (most + 1)));
+    let states: Vec<State> = levels.iter().map(state).collect();
+    let (Some((start, states)), Some(last)) = (states.split_first(), states.last()) else {
+        return Ok(());
+    };
+    let stage = |state: &State, side| Stage::on(descriptor(), model.as_ref(), state, side);
+    let mut walked = stage(start, SIDE);
+    for state in states {
+        let price = walked.resident.price(state);
+        let before = walked.device.take_ledger().upload.payload_bytes;
+        walked.commit(state);
+        let sent = walked.device.take_ledger().upload.payload_bytes;
+        assert_eq!(
+            (sent, walked.resident.state()),
+            (price, state),
+            "after {before} bytes"
+        );
+        assert!(model.drawn(state).is_empty(), "no leaf shows");
+        tally.count(
+            Law::Residency,
+            residency(&mut walked, &mut stage(state, SIDE)),
+        )?;
+    }
+    let mut walked = stage(start, SIDE);
+    states.iter().for_each(|state| walked.commit(state));
+    check_end(&mut walked, &mut stage(last, SIDE), None, tally)
+}
+
+/// A model of cards.
+#[derive(Debug, Clone, Copy)]
+struct Cards(Kind);
+
+impl Contracts for Cards {
+    fn check(self, name: &'static str) {
+        let count = Cases::of(name);
+        proptest!(config(name, 60), |(seed in any::<u64>(), levels in vec(any::<u32>(), 2..8))| {
+            count.one();
+            let mut tally = Tally::default();
+            let law = card_walk(self.0, seed, &levels, &mut tally);
+            count.checked(&tally);
+            law?;
+        });
+    }
+}
+
 /// What has contracts.
 trait Contracts: Copy {
     /// Checks some walks.
@@ -219,6 +286,8 @@ contracts! {
     lodf_slots: Kind::LodfSlots;
     lodf_stamps: Kind::LodfStamps;
     lodf_device: Kind::LodfDevice;
+    impostors: Cards(Kind::Impostors);
+    impostors_indirect: Cards(Kind::IndirectImpostors);
     trunk_full: trunk(TrunkName::Full, TrunkMode::Device);
     trunk_full_host: trunk(TrunkName::Full, TrunkMode::Host);
     trunk_lodstrips: trunk(TrunkName::LodStrips, TrunkMode::Device);

@@ -11,4 +11,16 @@ mod bake;
 mod bake_program;
 mod bake_resolve;
 mod bake_sheet;
+mod impostors;
+mod impostors_fit;
+mod impostors_outline;
+mod impostors_program;
+mod impostors_set;
+mod indirect;
+mod indirect_fragment;
+mod indirect_map;
+mod indirect_sprites;
 mod triangles;
+
+pub(super) use impostors::Impostors;
+pub(super) use indirect::IndirectImpostors;

@@ -140,7 +140,7 @@ fn color(variant: Variant) -> usize {
         };
     }
     match variant.kind {
-        Kind::Full | Kind::LodfLiteral => 5,
+        Kind::Full | Kind::LodfLiteral | Kind::Impostors | Kind::IndirectImpostors => 5,
         Kind::VdfHost | Kind::VdfIndices => 0,
         Kind::LodfHost | Kind::LodfCluster => 1,
         Kind::LodfSlots => 2,

@@ -1,0 +1,249 @@
+//! Leaf cluster impostors with indirect textures: a small map of where leaves lie, and pictures of one
+//! leaf, turned ([GSS05](crate::references), § 2.3).
+//!
+//! ```text
+//! direct     a texture of all leaves, front and back       ─read─▶ colour
+//! indirect   map ─read─▶ which leaf, where ─▶ sprites       ─read─▶ colour
+//! ```
+//!
+//! **Invariant.** Every leaf is in the map wherever it shows: where a texel would have more leaves than
+//! there are layers, uploading is refused with the number that it takes.
+
+use std::sync::Arc;
+
+use super::atlas::Atlas;
+use super::bake::{Bake, BakeOptions, bake};
+use super::impostors::{CardInstances, LEVEL_BYTES, upload_atlas};
+use super::impostors_outline::{Outline, OutlineCorner};
+use super::impostors_program::{
+    COLOUR_SLOT, IMPOSTOR_SLOT, ImpostorProgram, ImpostorRecord, ImpostorTextures, NORMAL_SLOT,
+};
+use super::impostors_set::{CARD_ALPHA_CUTOFF, Impostor, SUPERSAMPLING, counts, planned};
+use super::indirect_fragment::{
+    LEAF_PLANE_SLOT, MAP_SLOT, SPRITE_SLOT, leaf_plane_bytes, leaf_plane_size, sprite_bytes,
+};
+use super::indirect_map::{LeafMap, MapSheet, corners, leaf_map};
+use super::indirect_sprites::{SpriteTurns, in_frame, leaf_shapes};
+use super::triangles::LeafTriangles;
+use crate::gpu::{Cause, Device, GpuError, Ledger, Step, TextureDescriptor, TextureFormat, Usage};
+use crate::math::{Vec2, index_u32};
+use crate::models::surface::filled;
+use crate::models::{
+    CardLevel, Crown, Environment, Kind, Model, ModelOptions, Shared, State, Storage,
+};
+use crate::plant::Foliage;
+use crate::scene::{CardOptions, CardOutline};
+use crate::simplify::leaf_sites;
+
+/// The model of impostors with indirect textures.
+///
+/// Host memory: none once all is sent. Device memory: a record and a leaf plane an impostor, the sprites'
+/// places, a texture of floats with all maps, and two of sprites with all their levels, colours and
+/// normals; an instance has its level, 4 bytes.
+#[derive(Debug, Clone)]
+pub(in crate::models) struct IndirectImpostors {
+    crown: Arc<Crown>,
+    program: ImpostorProgram,
+    levels: u32,
+    parts: Result<Arc<Parts>, GpuError>,
+}
+
+/// What is sent.
+#[derive(Debug)]
+struct Parts {
+    impostors: Vec<Impostor>,
+    maps: Vec<LeafMap>,
+    sheet: MapSheet,
+    map_side: u32,
+    sprites: Option<Atlas>,
+    ledger: Ledger,
+}
+
+impl IndirectImpostors {
+    /// Clusters leaves, finds where each lies, and bakes sprites.
+    pub(in crate::models) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
+        let parts = Parts::of(crown.plant().foliage(), &options.cards);
+        Self {
+            crown,
+            program: ImpostorProgram {
+                outline: CardOutline::Quad,
+                sides: options.cards.sides,
+                textures: ImpostorTextures::Indirect,
+            },
+            levels: index_u32(options.cards.levels.as_slice().len()),
+            parts: parts.map(Arc::new),
+        }
+    }
+}
+
+impl Parts {
+    fn of(foliage: &Foliage, options: &CardOptions) -> Result<Self, GpuError> {
+        let leaves = LeafTriangles::of(foliage);
+        let impostors = planned(&leaf_sites(foliage), &leaves, options);
+        let shapes = leaf_shapes(&leaves);
+        let turns = SpriteTurns::new(options.sprites);
+        let maps: Vec<LeafMap> = impostors
+            .iter()
+            .map(|impostor| leaf_map(impostor, &shapes, &turns, options))
+            .collect();
+        let most = maps.iter().map(|map| map.most).max().unwrap_or(0);
+        if most > options.layers {
+            let (side, layers) = (options.map, options.layers);
+            let what = format!(
+                "a leaf distribution map of {side} × {side} texels with {most} leaves in a texel \
+                 (there is room for {layers}: `cards.layers`)"
+            );
+            return Err(GpuError::Unsupported { what });
+        }
+        let views = turns.views(&leaves, &shapes, options.sprite_texture);
+        let supersampling = SUPERSAMPLING;
+        let Bake {
+            views: baked,
+            ledger,
+        } = bake(&leaves, &views, BakeOptions { supersampling })?;
+        let baked = baked.into_iter().zip(&views);
+        let baked: Vec<_> = baked
+            .map(|(baked, view)| in_frame(baked, &view.frame))
+            .collect();
+        let sprites = Atlas::of(&baked, CARD_ALPHA_CUTOFF);
+        if sprites.is_none() && !baked.is_empty() {
+            let what = format!("{} sprites, which fit no texture", baked.len());
+            return Err(GpuError::Unsupported { what });
+        }
+        Ok(Self {
+            sheet: MapSheet::of(&maps, options.map),
+            map_side: options.map,
+            impostors,
+            maps,
+            sprites,
+            ledger,
+        })
+    }
+
+    fn records(&self) -> impl Iterator<Item = ImpostorRecord> + '_ {
+        self.impostors
+            .iter()
+            .zip(&self.maps)
+            .map(|(impostor, map)| {
+                let corners = corners(&map.plane).into_iter();
+                let corners = corners.map(|(position, coordinate)| OutlineCorner {
+                    position,
+                    coordinate,
+                });
+                let outline = Outline {
+                    corners: corners.collect(),
+                };
+                ImpostorRecord::of(impostor, &outline, [Vec2::ZERO; 2], Vec2::ONE)
+            })
+    }
+
+    /// Bytes of all that lies on the device, but instances.
+    fn bytes(&self) -> u64 {
+        let Some(sprites) = &self.sprites else {
+            return 0;
+        };
+        4 * (ImpostorRecord::WORDS * self.impostors.len()) as u64
+            + leaf_plane_size(self.impostors.len())
+            + 8 * sprites.cells.len() as u64
+            + self.sheet.bytes.len() as u64
+            + sprites.bytes()
+    }
+
+    fn send(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+        program: ImpostorProgram,
+    ) -> Result<Vec<Step>, GpuError> {
+        let Some(sprites) = &self.sprites else {
+            return Ok(Vec::new());
+        };
+        let records: Vec<u8> = self
+            .records()
+            .flat_map(|record| record.to_bytes())
+            .collect();
+        let cell = sprites.cells.first().map_or(Vec2::ONE, |cell| cell.sides);
+        let planes = self.maps.iter().map(|map| map.plane);
+        let planes = leaf_plane_bytes(planes, (&self.sheet, self.map_side), cell);
+        let places = sprite_bytes(sprites.cells.iter().map(|cell| cell.least));
+        let cause = Cause::of("impostors");
+        let mut steps: Vec<Step> = Vec::new();
+        let program = device.create_program(Arc::new(program));
+        steps.extend(environment.bind(program));
+        for (slot, label, bytes) in [
+            (IMPOSTOR_SLOT, "impostors", &records),
+            (LEAF_PLANE_SLOT, "leaf planes", &planes),
+            (SPRITE_SLOT, "sprite places", &places),
+        ] {
+            let buffer = filled(device, label, Usage::STORAGE, bytes, cause)?;
+            steps.push(Step::Storage { slot, buffer });
+        }
+        let [colour, normal] = upload_atlas(device, sprites)?;
+        let map = device.create_texture(&TextureDescriptor {
+            label: "leaf maps",
+            format: TextureFormat::Float32,
+            width: self.sheet.size[0],
+            height: self.sheet.size[1],
+            levels: 1,
+        })?;
+        let cause = Cause::of("texture");
+        device
+            .queue()
+            .write_texture(map, 0, &self.sheet.bytes, cause)?;
+        for (slot, texture) in [
+            (COLOUR_SLOT, colour),
+            (NORMAL_SLOT, normal),
+            (MAP_SLOT, map),
+        ] {
+            steps.push(Step::Texture { slot, texture });
+        }
+        Ok(steps)
+    }
+}
+
+impl Model for IndirectImpostors {
+    fn kind(&self) -> Kind {
+        Kind::IndirectImpostors
+    }
+
+    fn crown(&self) -> &Arc<Crown> {
+        &self.crown
+    }
+
+    fn drawn(&self, _state: &State) -> Vec<u32> {
+        Vec::new()
+    }
+
+    fn upload(
+        &self,
+        device: &mut Device,
+        environment: &Environment,
+    ) -> Result<Box<dyn Shared>, GpuError> {
+        let parts = self.parts.as_ref().map_err(Clone::clone)?;
+        let steps = parts.send(device, environment, self.program)?;
+        let counts = counts(&parts.impostors, self.levels);
+        Ok(Box::new(CardInstances {
+            quads: self.program.quads(),
+            triangles: counts.iter().map(|&count| 2 * u64::from(count)).collect(),
+            counts,
+            steps,
+        }))
+    }
+
+    fn host_bytes(&self) -> Vec<u8> {
+        Vec::new()
+    }
+
+    fn storage(&self) -> Storage {
+        Storage {
+            host_bytes: 0,
+            shared_bytes: self.parts.as_ref().map_or(0, |parts| parts.bytes()),
+            instance_bytes: LEVEL_BYTES,
+            instance_host_bytes: State::Cards(CardLevel::FINEST).host_bytes(),
+        }
+    }
+
+    fn baked(&self) -> Option<&Ledger> {
+        self.parts.as_ref().ok().map(|parts| &parts.ledger)
+    }
+}

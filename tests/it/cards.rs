@@ -1,0 +1,299 @@
+//! Cards in place of leaves: what impostors show, and what they take.
+
+use std::sync::Arc;
+
+use spinney::math::{Vec3, det};
+use spinney::models::{CardLevel, Crown, Kind, Model, ModelOptions, State};
+use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype};
+use spinney::raster::{Counters, Image};
+use spinney::scene::{CardCounts, CardOptions, CardOutline, CardSides};
+use spinney::simplify::{
+    CollapseSequence, PlaneHierarchy, PlaneOptions, cluster_planes, flattened, leaf_sites,
+};
+use spinney::testkit::Stage;
+
+use crate::support::{OPTIONS, StageExt, descriptor, random_crown};
+
+/// Pixels of a picture's side.
+const SIDE: u32 = 96;
+
+fn options(levels: &[u32], texture: u32) -> ModelOptions {
+    ModelOptions {
+        cards: CardOptions {
+            levels: CardCounts::new(levels).expect("descending"),
+            texture,
+            ..CardOptions::USUAL
+        },
+        ..OPTIONS
+    }
+}
+
+fn at(model: &dyn Model, level: u32) -> Stage {
+    let state = State::Cards(CardLevel(level));
+    Stage::on(descriptor(), model, &state, SIDE)
+}
+
+/// The crown with its leaves in the planes of so many clusters.
+fn in_planes(crown: &Crown, count: u32) -> Arc<Crown> {
+    let foliage = crown.plant().foliage();
+    let sites = leaf_sites(foliage);
+    let options = PlaneOptions::to(count);
+    let clusters = cluster_planes(&sites, &options);
+    let hierarchy = PlaneHierarchy::of(&sites, &clusters, options.orientation_weight);
+    let foliage = flattened(foliage, &hierarchy.level(count));
+    let plant = Plant::new("flat", None, None, foliage).expect("sound parts");
+    Arc::new(Crown::new(Arc::new(plant), crown.sequence().clone()))
+}
+
+/// The mean difference of two pictures' channels, of 255.
+fn difference(one: &Image, other: &Image) -> f64 {
+    let pairs = one.rgba.iter().zip(&other.rgba);
+    let sum: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f64 / one.rgba.len() as f64
+}
+
+/// Pixels of another colour.
+fn changed(one: &Image, other: &Image) -> usize {
+    let [one, other] = [one, other].map(|image| image.rgba.as_chunks::<4>().0);
+    one.iter().zip(other).filter(|(a, b)| a != b).count()
+}
+
+/// An impostor is equivalent to its leaves moved into its plane: what is left is the texture, and goes
+/// with its texels.
+#[test]
+fn impostors_come_near_to_flattened_leaves() {
+    let crown = random_crown(5, 60, 3);
+    let flat = Stage::at(
+        Kind::Full,
+        OPTIONS,
+        &in_planes(&crown, 4),
+        &State::FINEST,
+        SIDE,
+    )
+    .draw();
+    let found = [16, 64, 256].map(|texture| {
+        let model = Kind::Impostors.model(&crown, options(&[4], texture));
+        difference(&flat, &at(model.as_ref(), 0).draw())
+    });
+    assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
+    assert!(found[2] < 0.2 * found[0], "{found:?}");
+}
+
+/// Two squares, red before green as the camera has it; from the camera's side the plane of both shows its
+/// back.
+///
+/// ```text
+///  camera ─▶   red │ │ green    ─▶ front of the plane, z = 0
+/// ```
+#[test]
+fn from_behind_leaves_lie_in_the_other_order() {
+    let square = |z: f32, color: [f32; 3]| {
+        let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+        LeafGroup {
+            name: "square".to_owned(),
+            prototype: Prototype::Quad {
+                texture_corners: Prototype::WHOLE_IMAGE,
+            },
+            material: Material::plain("leaf", color),
+            positions: corners.map(|(x, y)| Vec3::new(x, y, z)).to_vec(),
+            owners: vec![NO_BRANCH],
+        }
+    };
+    let groups = vec![square(-0.6, [0.9, 0.0, 0.0]), square(-0.4, [0.0, 0.9, 0.0])];
+    let plant = Plant::new("pair", None, None, Foliage { groups }).expect("sound parts");
+    let corners = vec![[0, 1, 2, 3], [4, 5, 6, 7]];
+    let sequence = CollapseSequence::new(2, corners, Vec::new()).expect("sound");
+    let crown = Arc::new(Crown::new(Arc::new(plant), sequence));
+    let seen = [CardSides::Both, CardSides::Front].map(|sides| {
+        let mut options = options(&[1], 64);
+        options.cards.sides = sides;
+        let model = Kind::Impostors.model(&crown, options);
+        let picture = at(model.as_ref(), 0).draw();
+        let middle = 4 * (SIDE * SIDE / 2 + SIDE / 2) as usize;
+        let [red, green] = [picture.rgba[middle], picture.rgba[middle + 1]];
+        (red > 90, green > 90, model.storage().shared_bytes)
+    });
+    assert_eq!((seen[0].0, seen[0].1), (true, false), "red is nearer");
+    assert_eq!((seen[1].0, seen[1].1), (false, true), "as from in front");
+    assert!(seen[1].2 < seen[0].2 && seen[0].2 < 2 * seen[1].2);
+}
+
+/// What is trimmed off shows nothing, and fewer samples are covered.
+#[test]
+fn trimmed_impostors_show_the_same_and_cover_less() {
+    let crown = random_crown(3, 40, 2);
+    let drawn = [CardOutline::Quad, CardOutline::Trimmed].map(|outline| {
+        let mut options = options(&[6], 128);
+        options.cards.outline = outline;
+        let model = Kind::Impostors.model(&crown, options);
+        let mut descriptor = descriptor();
+        descriptor.raster.counters = Counters::Exact;
+        let state = State::Cards(CardLevel::FINEST);
+        let mut stage = Stage::on(descriptor, model.as_ref(), &state, SIDE);
+        let picture = stage.draw();
+        let work = stage.device.take_ledger().work;
+        (picture, work.expect("exact counters").covered)
+    });
+    let [(quads, by_quads), (trimmed, by_trimmed)] = drawn;
+    // Corners elsewhere round elsewhere.
+    assert!(difference(&quads, &trimmed) < 0.1);
+    assert!(by_trimmed < by_quads, "{by_trimmed} of {by_quads}");
+}
+
+/// Children that lie on their parent's plane show what the parent does, but for texels: the swap at the
+/// end changes less than half a level's way does.
+#[test]
+fn going_over_to_the_next_level_does_not_pop() {
+    let crown = random_crown(7, 80, 4);
+    let model = Kind::Impostors.model(&crown, options(&[8, 4, 2], 256));
+    let mut stage = at(model.as_ref(), 0);
+    let mut shown = |level: u32| {
+        let state = State::Cards(CardLevel(level));
+        let mut queue = stage.device.queue();
+        stage
+            .resident
+            .commit(&mut queue, &state)
+            .expect("its own device");
+        stage.draw()
+    };
+    let [start, almost, next] = [0, 255, 256].map(&mut shown);
+    let (switch, way) = (changed(&almost, &next), changed(&start, &next));
+    assert!(switch * 2 < way, "{switch} of {way} pixels");
+    assert!(2.0 * difference(&almost, &next) < difference(&start, &next));
+}
+
+/// A change of level sends its 4 bytes, and storage is what lies there.
+#[test]
+fn impostors_take_and_send_what_they_say() {
+    for (seed, kind) in [
+        (0, Kind::Impostors),
+        (1, Kind::Impostors),
+        (2, Kind::IndirectImpostors),
+    ] {
+        let crown = random_crown(seed, 12, 2);
+        let mut options = options(&[4, 2], 16);
+        (options.cards.layers, options.cards.sprites) = (64, 4);
+        let model = kind.model(&crown, options);
+        let mut stage = at(model.as_ref(), 0);
+        let storage = model.storage();
+        assert_eq!(storage.host_bytes, model.host_bytes().len() as u64);
+        let labels = [
+            "impostors",
+            "leaf planes",
+            "sprite places",
+            "leaf maps",
+            "card colours",
+            "card normals",
+            "card level",
+        ];
+        let on_device = stage.device.resident_by_label();
+        let held = on_device
+            .iter()
+            .filter(|(label, _)| labels.contains(&label.as_str()));
+        let held: u64 = held.map(|(_, bytes)| bytes).sum();
+        assert_eq!(held, storage.shared_bytes + storage.instance_bytes);
+        stage.device.take_ledger();
+        let to = State::Cards(CardLevel(100));
+        assert_eq!(stage.resident.price(&to), 4);
+        let change = stage.resident.commit(&mut stage.device.queue(), &to);
+        assert_eq!(change.expect("its own device").host_records, 1);
+        let ledger = stage.device.take_ledger();
+        assert_eq!(
+            (ledger.upload.transfers, ledger.upload.payload_bytes),
+            (1, 4)
+        );
+        let past = State::Cards(CardLevel(u32::MAX));
+        stage
+            .resident
+            .commit(&mut stage.device.queue(), &past)
+            .expect("its own device");
+        assert_eq!(*stage.resident.state(), State::Cards(CardLevel(256)));
+        let baked = model.baked().expect("baked");
+        assert!(baked.draws > 0);
+    }
+}
+
+/// Leaves of one size that lie in planes show through a map as they do in a picture, but for the turn of
+/// sprites, and the more of them the nearer.
+#[test]
+fn maps_come_near_to_pictures() {
+    let crown = leaves_in_a_plane(24);
+    let flat = Stage::at(Kind::Full, OPTIONS, &crown, &State::FINEST, SIDE).draw();
+    let found = [4, 16, 64].map(|sprites| {
+        let mut options = options(&[1], 64);
+        options.cards.sprites = sprites;
+        options.cards.layers = 64;
+        let model = Kind::IndirectImpostors.model(&crown, options);
+        difference(&flat, &at(model.as_ref(), 0).draw())
+    });
+    assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
+    assert!(found[2] < 0.25 * found[0], "{found:?}");
+}
+
+/// Where a texel of a map would have to hold more leaves than it has room for, none is lost: it is refused.
+#[test]
+fn maps_without_room_are_refused() {
+    let crown = leaves_in_a_plane(24);
+    let mut options = options(&[1], 64);
+    (options.cards.map, options.cards.layers) = (8, 1);
+    let model = Kind::IndirectImpostors.model(&crown, options);
+    let refused = Stage::new(descriptor(), model.as_ref(), &State::FINEST, SIDE);
+    let message = refused.expect_err("several leaves overlap").to_string();
+    assert!(
+        message.contains("there is room for 1: `cards.layers`"),
+        "{message}"
+    );
+}
+
+/// Long leaves of one size in the plane z = 0, turned all ways.
+fn leaves_in_a_plane(count: u32) -> Arc<Crown> {
+    let mut positions = Vec::new();
+    for leaf in 0..count {
+        let angle = 2.4 * leaf as f32;
+        let along = Vec3::new(det::cos(angle), det::sin(angle), 0.0);
+        let radius = 0.18 * (leaf as f32).sqrt();
+        // One behind the other, as seen from both sides.
+        let centre = radius * along + 1e-3 * leaf as f32 * Vec3::Z;
+        let (along, across) = (0.25 * along, 0.06 * Vec3::Z.cross(along));
+        positions.extend([
+            centre - along - across,
+            centre + along - across,
+            centre + along + across,
+            centre - along + across,
+        ]);
+    }
+    let group = LeafGroup {
+        name: "leaves".to_owned(),
+        prototype: Prototype::Quad {
+            texture_corners: Prototype::WHOLE_IMAGE,
+        },
+        material: Material::plain("leaf", [0.2, 0.6, 0.1]),
+        owners: vec![NO_BRANCH; count as usize],
+        positions,
+    };
+    let corners = (0..count).map(|leaf| [4 * leaf, 4 * leaf + 1, 4 * leaf + 2, 4 * leaf + 3]);
+    let sequence = CollapseSequence::new(count, corners.collect(), Vec::new());
+    let plant = Plant::new(
+        "flat",
+        None,
+        None,
+        Foliage {
+            groups: vec![group],
+        },
+    );
+    let plant = Arc::new(plant.expect("sound parts"));
+    Arc::new(Crown::new(plant, sequence.expect("sound")))
+}
+
+/// No leaves, no cards, no error.
+#[test]
+fn a_bare_tree_has_no_impostors() {
+    let plant = Plant::new("bare", None, None, Foliage::default());
+    let sequence = CollapseSequence::new(0, Vec::new(), Vec::new());
+    let crown = Crown::new(Arc::new(plant.expect("sound")), sequence.expect("sound"));
+    let model = Kind::Impostors.model(&Arc::new(crown), options(&[4, 2], 16));
+    let mut stage = at(model.as_ref(), 0);
+    let empty = stage.draw();
+    assert_eq!(stage.resident.card_triangles(), 0);
+    assert!(empty.rgba.chunks(4).all(|pixel| pixel == &empty.rgba[..4]));
+}
