@@ -78,7 +78,7 @@ pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel, TrunkSimplifier};
 
 use crate::gpu::{Command, Device, GpuError, Ledger, Queue, Step};
-use crate::math::index_u32;
+use crate::math::{Vec3, index_u32};
 use crate::scene::CardOptions;
 
 /// A level-of-detail model of one crown: immutable, made offline.
@@ -161,6 +161,16 @@ pub trait Resident<S = State>: std::fmt::Debug {
     /// None on the device that it lives on.
     fn follow(&mut self, queue: &mut Queue<'_>, to: &S) -> Result<Change, GpuError> {
         self.commit(queue, to)
+    }
+
+    /// Puts what is blended in order for a viewer at `eye`, in the plant's own space: called before
+    /// every pass, once the state is committed.
+    ///
+    /// # Errors
+    ///
+    /// None on the device that it lives on.
+    fn look_from(&mut self, _queue: &mut Queue<'_>, _eye: Vec3) -> Result<(), GpuError> {
+        Ok(())
     }
 
     /// Adds the commands that go before every pass that draws it, after the view is sent. Where

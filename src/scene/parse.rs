@@ -136,6 +136,7 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         Ok(root.table(name)?.expect("required, or empty by default"))
     };
     let samples = small(root.have("samples")?);
+    let model = model(&below("model")?)?;
     Ok(Scene {
         name: root.get("name")?.unwrap_or_else(|| name_of(file)),
         size: root.have("size")?,
@@ -151,8 +152,8 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         terrain,
         camera: camera(&below("camera")?)?,
         light: light(&below("light")?)?,
-        model: model(&below("model")?)?,
-        cards: cards(&below("cards")?)?,
+        model,
+        cards: cards(&below("cards")?, model.mode)?,
         device: device(&below("device")?)?,
         golden: match root.table("golden")? {
             Some(table) => Some(golden(&table, frames)?),
@@ -395,7 +396,7 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
     })
 }
 
-fn cards(table: &Reader<'_>) -> Result<CardOptions, SceneError> {
+fn cards(table: &Reader<'_>, mode: Mode) -> Result<CardOptions, SceneError> {
     /// The table of keys holds the same names as the type.
     const NAMED: &str = "the table of keys allows these names only";
     let name = |key| table.have::<String>(key);
@@ -415,7 +416,7 @@ fn cards(table: &Reader<'_>) -> Result<CardOptions, SceneError> {
             CardCounts::new(&levels)
         }
     };
-    Ok(CardOptions {
+    let cards = CardOptions {
         levels: levels.expect("the table of keys allows descending numbers only"),
         texture: small(table.have("texture")?),
         orientation_weight: table.have("orientation_weight")?,
@@ -429,7 +430,19 @@ fn cards(table: &Reader<'_>) -> Result<CardOptions, SceneError> {
         sprites: small(table.have("sprites")?),
         sprite_texture: small(table.have("sprite_texture")?),
         scale: SpriteScale::from_name(&name("scale")?).expect(NAMED),
-    })
+    };
+    let pictures = [
+        ("depth", cards.depth != CardDepth::Paper),
+        ("transparency", cards.transparency != Transparency::Test),
+        ("outline", cards.outline != CardOutline::Quad),
+    ];
+    for (key, chosen) in pictures {
+        if chosen && mode == Mode::Indirect {
+            let wanted = "its default, since `model.mode` is indirect";
+            return Err(table.refuse(key, wanted));
+        }
+    }
+    Ok(cards)
 }
 
 fn device(table: &Reader<'_>) -> Result<DeviceChoice, SceneError> {

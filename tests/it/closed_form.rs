@@ -140,6 +140,9 @@ pub(crate) struct Expected<'f> {
     thresholds: Vec<u32>,
 }
 
+/// Cards have contracts of their own.
+const LEAVES_ONLY: &str = "only kinds that show leaves are asked";
+
 impl<'f> Expected<'f> {
     pub(crate) fn at(forest: &'f Forest, kind: Kind, format: LeafFormat, state: &State) -> Self {
         let (counter, thresholds) = match state {
@@ -195,6 +198,7 @@ impl<'f> Expected<'f> {
                 records("crown", 4 * (8 + 8 * roots + collapses)),
                 records("detail", 8 + 4 * roots),
             ],
+            _ => unreachable!("{LEAVES_ONLY}"),
         };
         if self.compact && matches!(self.kind, Kind::LodfStamps | Kind::LodfDevice) {
             sent.push(records("first vertices", 4 * roots));
@@ -287,6 +291,7 @@ impl<'f> Expected<'f> {
             Kind::LodfStamps => self.stamps(to, "counter", "thresholds"),
             // Dictated states, counts in place of stamps; by the camera nothing is sent.
             Kind::LodfDevice => self.stamps(to, "detail", "detail"),
+            _ => unreachable!("{LEAVES_ONLY}"),
         }
     }
 
@@ -350,6 +355,7 @@ impl<'f> Expected<'f> {
                 (roots, windows)
             }
             (Kind::VdfHost | Kind::VdfIndices | Kind::LodfHost, _) => (self.lists(), 4 * visible),
+            _ => unreachable!("{LEAVES_ONLY}"),
         }
     }
 
@@ -376,6 +382,7 @@ impl<'f> Expected<'f> {
             Kind::LodfStamps => (4 + u64::from(self.compact), 20),
             // One command for all clusters; before it a compute pass: program, seven buffers, dispatch.
             Kind::LodfDevice => (4 + u64::from(self.compact), 20 + 8 * (1 + 7) + 16),
+            _ => unreachable!("{LEAVES_ONLY}"),
         };
         let bound = bound + u64::from(self.compact) + u64::from(self.quantised);
         24 + 8 * (4 + textures + bound) + draws

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!  once a species                                 once an instance
-//! records of all levels, 224 B an impostor ─┐     level, 4 B ─┐
+//! records of all levels, 240 B an impostor ─┐     level, 4 B ─┐
 //! colours and normals, an atlas each ───────┴─────────────────┴──▶ one draw
 //! ```
 //!
@@ -16,22 +16,25 @@ use super::impostors_program::{
     COLOUR_SLOT, IMPOSTOR_SLOT, ImpostorProgram, ImpostorRecord, ImpostorTextures, LEVEL_SLOT,
     NORMAL_SLOT,
 };
-use super::impostors_set::{ImpostorSet, counts};
+use super::impostors_set::{Impostor, ImpostorSet, counts};
 use crate::gpu::{
     BufferId, Cause, Corners, Device, Draw, GpuError, Ledger, Queue, Step, TextureDescriptor,
     TextureFormat, TextureId, Usage,
 };
-use crate::math::index_u32;
+use crate::math::{Vec3, index_u32};
 use crate::models::surface::filled;
 use crate::models::{
     CARD_GROUP, CardLevel, Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared,
     State, Storage,
 };
+use crate::scene::Transparency;
 
 /// The model of impostors with a texture each.
 ///
-/// Host memory: none once all is sent. Device memory: a [record](ImpostorRecord) an impostor, and two
-/// textures with all their levels, colours and normals; an instance has its level, 4 bytes.
+/// Host memory: none once all is sent; where impostors are blended, their centres. Device memory: a
+/// [record](ImpostorRecord) an impostor, and two textures with all their levels, colours and normals; an
+/// instance has its level, 4 bytes, and where impostors are blended their order, 16 bytes a quad, of which
+/// the host keeps 4 an impostor.
 #[derive(Debug, Clone)]
 pub(in crate::models) struct Impostors {
     crown: Arc<Crown>,
@@ -48,6 +51,8 @@ impl Impostors {
             program: ImpostorProgram {
                 outline: options.cards.outline,
                 sides: options.cards.sides,
+                depth: options.cards.depth,
+                transparency: options.cards.transparency,
                 textures: ImpostorTextures::Direct,
             },
             set: set.map(Arc::new),
@@ -64,7 +69,7 @@ fn records(set: &ImpostorSet) -> Vec<ImpostorRecord> {
     records
         .map(|((impostor, outline), cells)| {
             let (front, back) = (&cells[0], &cells[views - 1]);
-            ImpostorRecord::of(impostor, outline, [front.least, back.least], front.sides)
+            ImpostorRecord::of(impostor, outline).in_cells([front, back])
         })
         .collect()
 }
@@ -113,13 +118,21 @@ impl Model for Impostors {
         Ok(Box::new(CardInstances {
             steps,
             quads: self.program.quads(),
+            centres: centres(self.program, set),
             triangles: triangles(set),
             counts: counts(&set.impostors, set.levels),
         }))
     }
 
+    /// The centres of impostors that are blended, 12 B each.
     fn host_bytes(&self) -> Vec<u8> {
-        Vec::new()
+        let set = self.set.as_ref().ok();
+        let centres = set.and_then(|set| centres(self.program, set));
+        let floats = centres
+            .iter()
+            .flat_map(|centres| centres.iter())
+            .flat_map(Vec3::to_array);
+        floats.flat_map(f32::to_le_bytes).collect()
     }
 
     fn storage(&self) -> Storage {
@@ -127,17 +140,31 @@ impl Model for Impostors {
             let records = 4 * (ImpostorRecord::WORDS * set.impostors.len()) as u64;
             records + set.atlas.as_ref().map_or(0, Atlas::bytes)
         };
+        let set = self.set.as_ref().ok();
+        let blended = set.and_then(|set| centres(self.program, set));
+        let blended = blended.map_or(0, |centres| centres.len() as u64);
+        let order = 16 * u64::from(self.program.quads()) * blended;
         Storage {
-            host_bytes: 0,
-            shared_bytes: self.set.as_ref().map_or(0, of_set),
-            instance_bytes: LEVEL_BYTES,
-            instance_host_bytes: State::Cards(CardLevel::FINEST).host_bytes(),
+            host_bytes: 12 * blended,
+            shared_bytes: set.map_or(0, of_set),
+            instance_bytes: LEVEL_BYTES + order,
+            instance_host_bytes: State::Cards(CardLevel::FINEST).host_bytes() + 4 * blended,
         }
     }
 
     fn baked(&self) -> Option<&Ledger> {
         self.set.as_ref().ok().map(|set| &set.ledger)
     }
+}
+
+/// The centres of the rectangles, where impostors are blended.
+fn centres(program: ImpostorProgram, set: &ImpostorSet) -> Option<Arc<[Vec3]>> {
+    let centre = |one: &Impostor| {
+        let middle = 0.5 * (one.rectangle.least + one.rectangle.greatest);
+        one.frame.point(middle, 0.0)
+    };
+    let blends = program.transparency == Transparency::Blend;
+    blends.then(|| set.impostors.iter().map(centre).collect())
 }
 
 /// Bytes of an instance on the device.
@@ -185,6 +212,8 @@ pub(super) struct CardInstances {
     pub(super) triangles: Vec<u64>,
     /// Impostors of each level.
     pub(super) counts: Vec<u32>,
+    /// Where each lies, in the plant's space, if they are drawn from back to front.
+    pub(super) centres: Option<Arc<[Vec3]>>,
 }
 
 impl Shared for CardInstances {
@@ -199,19 +228,33 @@ impl Shared for CardInstances {
         let cause = Cause::of("card-level");
         let buffer = filled(device, "card level", Usage::STORAGE, &bytes, cause)?;
         let mut steps = self.steps.clone();
-        if !steps.is_empty() {
+        let order = if steps.is_empty() {
+            None
+        } else {
             steps.push(Step::Storage {
                 slot: LEVEL_SLOT,
                 buffer,
             });
+            let order = match &self.centres {
+                None => None,
+                Some(centres) => {
+                    let order = Order::of(device, Arc::clone(centres), self.quads)?;
+                    steps.push(Step::Indices(order.indices));
+                    Some(order)
+                }
+            };
             steps.push(Step::Draw(Draw {
-                source: Corners::Counted,
+                source: match order {
+                    None => Corners::Counted,
+                    Some(_) => Corners::Indexed,
+                },
                 first_corner: 0,
                 corner_count: 4 * self.quads * self.counts.iter().sum::<u32>(),
                 instance: number,
                 group: CARD_GROUP,
             }));
-        }
+            order
+        };
         Ok(Box::new(ImpostorsResident {
             steps,
             buffer,
@@ -219,6 +262,7 @@ impl Shared for CardInstances {
             triangles: self.triangles.clone(),
             counts: self.counts.clone(),
             state: State::Cards(level),
+            order,
         }))
     }
 }
@@ -248,6 +292,7 @@ struct ImpostorsResident {
     triangles: Vec<u64>,
     counts: Vec<u32>,
     state: State,
+    order: Option<Order>,
 }
 
 impl ImpostorsResident {
@@ -284,12 +329,69 @@ impl Resident for ImpostorsResident {
         steps.extend_from_slice(&self.steps);
     }
 
+    fn look_from(&mut self, queue: &mut Queue<'_>, eye: Vec3) -> Result<(), GpuError> {
+        match &mut self.order {
+            None => Ok(()),
+            Some(order) => order.look_from(queue, eye),
+        }
+    }
+
     fn card_triangles(&self) -> u64 {
         let [level, _] = self.level().parts();
         self.triangles.get(level as usize).copied().unwrap_or(0)
     }
 
     fn host_bytes(&self) -> u64 {
-        self.state.host_bytes()
+        let order = self.order.as_ref().map_or(0, |order| order.order.len());
+        self.state.host_bytes() + 4 * order as u64
     }
+}
+
+/// In which order an instance's impostors are drawn, where they are blended: from back to front by the
+/// distance of their centres to the eye, of equals the lowest first.
+///
+/// Impostors cross each other, so no order is right everywhere; between two frames it changes at once.
+#[derive(Debug)]
+struct Order {
+    centres: Arc<[Vec3]>,
+    /// The corners of all quads, in this order.
+    indices: BufferId,
+    order: Vec<u32>,
+    quads: u32,
+}
+
+impl Order {
+    fn of(device: &mut Device, centres: Arc<[Vec3]>, quads: u32) -> Result<Self, GpuError> {
+        let order: Vec<u32> = (0..index_u32(centres.len())).collect();
+        let bytes = index_bytes(&order, quads);
+        let indices = filled(device, "card order", Usage::INDEX, &bytes, ORDER)?;
+        Ok(Self {
+            centres,
+            indices,
+            order,
+            quads,
+        })
+    }
+
+    fn look_from(&mut self, queue: &mut Queue<'_>, eye: Vec3) -> Result<(), GpuError> {
+        let distance = |number: &u32| self.centres[*number as usize].distance_squared(eye);
+        let mut order: Vec<u32> = (0..index_u32(self.centres.len())).collect();
+        order.sort_by(|a, b| distance(b).total_cmp(&distance(a)).then(a.cmp(b)));
+        if order != self.order {
+            queue.write(self.indices, 0, &index_bytes(&order, self.quads), ORDER)?;
+            self.order = order;
+        }
+        Ok(())
+    }
+}
+
+const ORDER: Cause = Cause::of("card-order");
+
+/// The corners of impostors of so many quads each: 16 B a quad.
+fn index_bytes(order: &[u32], quads: u32) -> Vec<u8> {
+    let corners = order.iter().flat_map(|number| {
+        let first = 4 * quads * number;
+        first..first + 4 * quads
+    });
+    corners.flat_map(u32::to_le_bytes).collect()
 }

@@ -19,7 +19,7 @@ use crate::simplify::Plane;
 /// edge's is taken, counted from the hull's lowest, then leftmost corner. Points of which all
 /// projections fall together, or into a line, have a rectangle along the axes of
 /// [`axes_in`], or along the line. Computed in `f64`.
-pub(super) fn least_rectangle(plane: &Plane, points: &[Vec3]) -> (ViewFrame, Rectangle) {
+pub(super) fn least_rectangle(plane: Plane, points: &[Vec3]) -> (ViewFrame, Rectangle) {
     let toward = plane.normal.as_dvec3().normalize_or(DVec3::Y);
     let (first, second) = axes_in(toward);
     let count = points.len().max(1) as f64;
@@ -136,7 +136,7 @@ mod tests {
             Vec3::new(-1.0, 0.0, 2.0),
             Vec3::new(0.0, 0.0, 7.0),
         ];
-        let (frame, rectangle) = least_rectangle(&FLOOR, &points);
+        let (frame, rectangle) = least_rectangle(FLOOR, &points);
         let sides = rectangle.sides();
         assert!((sides - Vec2::splat(2.0_f32.sqrt())).abs().max_element() < 1e-6);
         assert!((frame.right.cross(frame.up) - frame.toward).length() < 1e-6);
@@ -155,12 +155,12 @@ mod tests {
             &[Vec3::ONE; 5],
             &[Vec3::ZERO, Vec3::ONE],
         ] {
-            let (frame, rectangle) = least_rectangle(&FLOOR, points);
+            let (frame, rectangle) = least_rectangle(FLOOR, points);
             assert!(frame.right.is_normalized() && frame.up.is_normalized());
             assert!(rectangle.sides().min_element() > 0.0);
         }
         let line = [Vec3::ZERO, Vec3::new(3.0, 4.0, 0.0)];
-        let (frame, rectangle) = least_rectangle(&FLOOR, &line);
+        let (frame, rectangle) = least_rectangle(FLOOR, &line);
         assert!((rectangle.sides().x - 5.0).abs() < 1e-5, "{frame:?}");
         assert!(rectangle.sides().y < 1e-3);
     }

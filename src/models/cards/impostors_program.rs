@@ -3,19 +3,22 @@
 //! One draw shows a crown: its corners count through the quads of all levels, and the vertex stage
 //! leaves out those of other levels than the instance stands at. Between two levels it moves the
 //! corners of the finer onto the plane between their own and that of the level to come
-//! ([GSS05](crate::references), § 2.4).
+//! ([GSS05](crate::references), § 2.4). What it hands on to the fragment stages is
+//! [`impostors_fragment`](super::impostors_fragment)'s.
 
+use super::atlas::AtlasCell;
+use super::impostors_fragment::impostor_fragment;
 use super::impostors_outline::{MOST_CORNERS, Outline, OutlineCorner};
-use super::impostors_set::{CARD_ALPHA_CUTOFF, Impostor};
+use super::impostors_set::Impostor;
 use super::indirect_fragment::{IndirectFragment, MAP_SLOT, SPRITE_SLOT};
 use crate::gpu::{
-    Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, Program, Topology,
-    Transform, VertexCall, Words, Wrap,
+    Bindings, Blend, Geometry, Hulls, Kernel, Layout, Program, Topology, Transform, VertexCall,
+    Words,
 };
-use crate::math::{Vec2, Vec3, Vec4, index_u32};
+use crate::math::{Vec2, Vec3, index_u32};
 use crate::models::CardLevel;
 use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
-use crate::scene::{CardOutline, CardSides};
+use crate::scene::{CardDepth, CardOutline, CardSides, Transparency};
 use crate::simplify::Plane;
 
 /// The slot of the impostors.
@@ -33,6 +36,8 @@ pub(super) const NORMAL_SLOT: u32 = 1;
 pub(super) struct ImpostorProgram {
     pub(super) outline: CardOutline,
     pub(super) sides: CardSides,
+    pub(super) depth: CardDepth,
+    pub(super) transparency: Transparency,
     pub(super) textures: ImpostorTextures,
 }
 
@@ -65,9 +70,10 @@ impl ImpostorProgram {
 /// | 9     | `corners`  | `u32`     | how many, 3 to 8 |
 /// | 10–13 | `front`    | 4 × `f32` | upper left corner and sides of its cell, texture |
 /// | 14–15 | `back`     | 2 × `f32` | upper left corner of the cell seen from behind |
-/// | 16–55 | –          | 8 × 5 × `f32` | the corners: position, m, plant; coordinate in the cell |
+/// | 16–19 | `depths`   | 4 × `f32` | m from the plane to the viewer: farthest and nearest, front and back |
+/// | 20–59 | –          | 8 × 5 × `f32` | the corners: position, m, plant; coordinate in the cell |
 ///
-/// Little-endian, 224 bytes an impostor.
+/// Little-endian, 240 bytes an impostor.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ImpostorRecord {
     pub(super) plane: Plane,
@@ -78,29 +84,37 @@ pub(super) struct ImpostorRecord {
     pub(super) least: [Vec2; 2],
     /// The sides of both.
     pub(super) sides: Vec2,
+    /// How far what each shows lies from the plane towards its viewer: the farthest, the nearest.
+    pub(super) depths: [[f32; 2]; 2],
 }
 
-const CORNER_WORD: usize = 16;
+const CORNER_WORD: usize = 20;
 const CORNER_WORDS: usize = 5;
 
 impl ImpostorRecord {
     /// Words of a record.
     pub(super) const WORDS: usize = CORNER_WORD + CORNER_WORDS * MOST_CORNERS;
 
-    /// Of an impostor with the corners of its cells, and their sides.
-    pub(super) fn of(
-        impostor: &Impostor,
-        outline: &Outline,
-        least: [Vec2; 2],
-        sides: Vec2,
-    ) -> Self {
+    /// Of an impostor that shows all of its textures, each as deep as the plane.
+    pub(super) fn of(impostor: &Impostor, outline: &Outline) -> Self {
         Self {
             plane: impostor.plane,
             next: impostor.next,
             level: impostor.level,
             corners: outline.corners.clone(),
-            least,
-            sides,
+            least: [Vec2::ZERO; 2],
+            sides: Vec2::ONE,
+            depths: [[0.0; 2]; 2],
+        }
+    }
+
+    /// The same with cells of an atlas for front and back, which may be one.
+    pub(super) fn in_cells(self, cells: [&AtlasCell; 2]) -> Self {
+        Self {
+            least: cells.map(|cell| cell.least),
+            sides: cells[0].sides,
+            depths: cells.map(|cell| cell.depths),
+            ..self
         }
     }
 
@@ -117,6 +131,7 @@ impl ImpostorRecord {
         floats(&mut words, &front.to_array());
         floats(&mut words, &self.sides.to_array());
         floats(&mut words, &back.to_array());
+        floats(&mut words, self.depths.as_flattened());
         for corner in &self.corners {
             floats(&mut words, &corner.position.to_array());
             floats(&mut words, &corner.coordinate.to_array());
@@ -128,9 +143,17 @@ impl ImpostorRecord {
 
 /// A record where it lies.
 #[derive(Debug, Clone, Copy)]
-struct RecordReader<'a> {
+pub(super) struct RecordReader<'a> {
     words: Words<'a>,
     first: usize,
+}
+
+/// All records of a buffer.
+pub(super) fn records(words: Words<'_>) -> impl Iterator<Item = RecordReader<'_>> {
+    (0..words.len() / ImpostorRecord::WORDS).map(move |number| RecordReader {
+        words,
+        first: number * ImpostorRecord::WORDS,
+    })
 }
 
 impl RecordReader<'_> {
@@ -150,8 +173,14 @@ impl RecordReader<'_> {
         (self.words.u32(self.first + 9) as usize).min(MOST_CORNERS)
     }
 
+    /// Front and back: the farthest and the nearest offset.
+    pub(super) fn depths(&self) -> [[f32; 2]; 2] {
+        let [front_far, front_near, back_far, back_near] = self.words.f32s(self.first + 16);
+        [[front_far, front_near], [back_far, back_near]]
+    }
+
     /// The least corners of both cells, and their sides.
-    fn cells(&self) -> ([Vec2; 2], Vec2) {
+    pub(super) fn cells(&self) -> ([Vec2; 2], Vec2) {
         let [x, y, wide, high, back_x, back_y] = self.words.f32s(self.first + 10);
         let least = [Vec2::new(x, y), Vec2::new(back_x, back_y)];
         (least, Vec2::new(wide, high))
@@ -182,22 +211,21 @@ fn quad_of(
 
 impl Program for ImpostorProgram {
     fn layout(&self) -> Layout {
-        let names = match (self.textures, self.outline) {
-            (ImpostorTextures::Direct, CardOutline::Quad) => ["impostor", "one-sided-impostor"],
-            (ImpostorTextures::Direct, CardOutline::Trimmed) => {
-                ["trimmed-impostor", "one-sided-trimmed-impostor"]
-            }
-            (ImpostorTextures::Indirect, _) => ["indirect-impostor", "one-sided-indirect-impostor"],
-        };
         let [storage_slots, texture_slots] = match self.textures {
             ImpostorTextures::Direct => [LEVEL_SLOT + 1, NORMAL_SLOT + 1],
             ImpostorTextures::Indirect => [SPRITE_SLOT + 1, MAP_SLOT + 1],
         };
         Layout {
-            name: names[usize::from(self.sides == CardSides::Front)],
+            name: match self.textures {
+                ImpostorTextures::Direct => "impostor",
+                ImpostorTextures::Indirect => "indirect-impostor",
+            },
             version: 1,
             topology: Topology::QuadList,
-            blend: Blend::Opaque,
+            blend: match self.transparency {
+                Transparency::Blend => Blend::Alpha,
+                Transparency::Test | Transparency::Coverage => Blend::Opaque,
+            },
             vertex_stride: 0,
             pulled_primitive_bytes: 4 * index_u32(CORNER_WORD),
             pulled_vertex_bytes: 4 * index_u32(CORNER_WORDS),
@@ -222,14 +250,22 @@ impl Program for ImpostorProgram {
             };
             let moved = (step > 0).then(|| record.plane(0).between(&record.plane(4), share));
             let (cells, sides) = record.cells();
+            let normal = moved.unwrap_or(record.plane(0)).normal;
+            // What a metre off the plane adds to z and w in clip space.
+            let off = placement.rotation * normal * placement.scale;
+            let off = view.clip_from_world * off.extend(0.0);
             let first = index_u32(geometry.clip.len());
             for corner in quad {
                 let (position, coordinate) = record.corner(corner);
                 let position = moved.map_or(position, |plane| plane.project(position));
                 let world = placement.to_world(position);
-                geometry.clip.push(view.clip_from_world * world.extend(1.0));
+                let clip = view.clip_from_world * world.extend(1.0);
+                geometry.clip.push(clip);
                 let coordinate = cells[0] + coordinate * sides;
                 geometry.varyings.extend(coordinate.to_array());
+                if self.depth == CardDepth::Relief {
+                    geometry.varyings.push(clip.w);
+                }
             }
             geometry.vertex_ids.extend(corners);
             geometry
@@ -237,6 +273,9 @@ impl Program for ImpostorProgram {
                 .extend([first, first + 1, first + 2, first + 3]);
             geometry.flats.extend(to_light.to_array());
             geometry.flats.push(f32::from_bits(number));
+            if self.depth == CardDepth::Relief {
+                geometry.flats.extend([off.z, off.w]);
+            }
         }
     }
 
@@ -245,26 +284,10 @@ impl Program for ImpostorProgram {
     }
 
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
-        if self.textures == ImpostorTextures::Indirect {
-            return Box::new(IndirectFragment::new(bindings, self.sides));
+        match self.textures {
+            ImpostorTextures::Direct => impostor_fragment(*self, bindings),
+            ImpostorTextures::Indirect => Box::new(IndirectFragment::new(bindings, self.sides)),
         }
-        let view = View::read(bindings.storage(VIEW_SLOT as usize));
-        let words = bindings.storage(IMPOSTOR_SLOT as usize);
-        let records = (0..words.len() / ImpostorRecord::WORDS).map(|number| RecordReader {
-            words,
-            first: number * ImpostorRecord::WORDS,
-        });
-        Box::new(ImpostorFragment {
-            cells: records.map(|record| record.cells()).collect(),
-            colour: bindings.texture(COLOUR_SLOT as usize),
-            normal: bindings.texture(NORMAL_SLOT as usize),
-            back_normal: match self.sides {
-                CardSides::Both => 1.0,
-                CardSides::Front => -1.0,
-            },
-            light: view.light,
-            ambient: view.ambient,
-        })
     }
 }
 
@@ -305,72 +328,5 @@ impl Hulls for ImpostorProgram {
 
     fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform {
         clip_from_plant(bindings, instance)
-    }
-}
-
-/// Textured, alpha-tested, lit by the normal of each texel.
-#[derive(Debug)]
-struct ImpostorFragment<'a> {
-    /// The least corners of both cells of each impostor, and their sides.
-    cells: Vec<([Vec2; 2], Vec2)>,
-    colour: Option<&'a MipMap>,
-    normal: Option<&'a MipMap>,
-    /// The sign of normals that are seen from behind.
-    back_normal: f32,
-    light: Vec3,
-    ambient: Vec3,
-}
-
-impl ImpostorFragment<'_> {
-    /// Where to read, and at which level: within the cell of the side that is seen.
-    #[inline(always)]
-    fn place(&self, texture: &MipMap, pixel: &Pixel<'_>) -> (Vec2, u32) {
-        let level = texture.level_for(pixel.derivative_x, pixel.derivative_y);
-        let (width, height) = texture.level_size(level);
-        let half = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
-        // Constant over the quad, so the bits arrive as the vertex stage wrote them.
-        let (cells, sides) = &self.cells[pixel.flats[3].to_bits() as usize];
-        let least = cells[usize::from(!pixel.front)];
-        let at = Vec2::new(pixel.varyings[0], pixel.varyings[1]) + (least - cells[0]);
-        (at.max(least + half).min(least + *sides - half), level)
-    }
-}
-
-impl Fragment for ImpostorFragment<'_> {
-    const VARYINGS: usize = 2;
-    const FLATS: usize = 4;
-    const TESTS_ALPHA: bool = true;
-
-    #[inline(always)]
-    fn keeps(&self, pixel: &Pixel<'_>) -> bool {
-        self.colour.is_some_and(|texture| {
-            let (at, level) = self.place(texture, pixel);
-            texture.alpha(at, level, Wrap::Clamp) >= CARD_ALPHA_CUTOFF
-        })
-    }
-
-    fn texels_tested(&self) -> u64 {
-        4
-    }
-
-    fn texels_shaded(&self) -> u64 {
-        8
-    }
-
-    fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
-        let Some((colour, normal)) = self.colour.zip(self.normal) else {
-            return Vec4::ZERO;
-        };
-        let (at, level) = self.place(colour, pixel);
-        let albedo = colour.sample(at, level, Wrap::Clamp).truncate();
-        let normal = 2.0 * normal.sample(at, level, Wrap::Clamp).truncate() - Vec3::ONE;
-        let normal = if pixel.front {
-            normal
-        } else {
-            self.back_normal * normal
-        };
-        let to_light = Vec3::new(pixel.flats[0], pixel.flats[1], pixel.flats[2]);
-        let toward = normal.dot(to_light).max(0.0);
-        (albedo * (self.ambient + self.light * toward)).extend(1.0)
     }
 }

@@ -145,7 +145,7 @@ pub(super) fn planned(
                 next.planes[parent as usize]
             });
             let points: Vec<Vec3> = leaves.corners(sites.iter().copied()).collect();
-            let (frame, rectangle) = least_rectangle(plane, &points);
+            let (frame, rectangle) = least_rectangle(*plane, &points);
             impostors.push(Impostor {
                 level: number,
                 plane: *plane,

@@ -32,7 +32,7 @@ use crate::models::{
     CardLevel, Crown, Environment, Kind, Model, ModelOptions, Shared, State, Storage,
 };
 use crate::plant::Foliage;
-use crate::scene::{CardOptions, CardOutline};
+use crate::scene::{CardDepth, CardOptions, CardOutline, Transparency};
 use crate::simplify::leaf_sites;
 
 /// The model of impostors with indirect textures.
@@ -60,7 +60,8 @@ struct Parts {
 }
 
 impl IndirectImpostors {
-    /// Clusters leaves, finds where each lies, and bakes sprites.
+    /// Clusters leaves, finds where each lies, and bakes sprites. Of the options those of a picture each
+    /// mean nothing here: outline, depth, transparency, texture.
     pub(in crate::models) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
         let parts = Parts::of(crown.plant().foliage(), &options.cards);
         Self {
@@ -68,6 +69,8 @@ impl IndirectImpostors {
             program: ImpostorProgram {
                 outline: CardOutline::Quad,
                 sides: options.cards.sides,
+                depth: CardDepth::Paper,
+                transparency: Transparency::Test,
                 textures: ImpostorTextures::Indirect,
             },
             levels: index_u32(options.cards.levels.as_slice().len()),
@@ -133,7 +136,7 @@ impl Parts {
                 let outline = Outline {
                     corners: corners.collect(),
                 };
-                ImpostorRecord::of(impostor, &outline, [Vec2::ZERO; 2], Vec2::ONE)
+                ImpostorRecord::of(impostor, &outline)
             })
     }
 
@@ -227,6 +230,7 @@ impl Model for IndirectImpostors {
             triangles: counts.iter().map(|&count| 2 * u64::from(count)).collect(),
             counts,
             steps,
+            centres: None,
         }))
     }
 

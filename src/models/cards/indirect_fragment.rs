@@ -133,7 +133,7 @@ impl<'a> IndirectFragment<'a> {
                 continue;
             }
             let square = usual * entry.w;
-            let within = (coordinate - entry.xy()) / square;
+            let within = (coordinate - Vec2::new(entry.x, entry.y)) / square;
             if within.cmplt(Vec2::ZERO).any() || within.cmpgt(Vec2::ONE).any() {
                 continue;
             }

@@ -13,6 +13,7 @@ mod bake_resolve;
 mod bake_sheet;
 mod impostors;
 mod impostors_fit;
+mod impostors_fragment;
 mod impostors_outline;
 mod impostors_program;
 mod impostors_set;

@@ -403,6 +403,10 @@ impl<'w> Session<'w> {
             self.environment.set_view(&mut self.device.queue(), &view)?;
             self.view = Some(view);
         }
+        let eye = self.scene.camera.at(frame, self.size).eye;
+        for (tree, resident) in self.world.trees.iter().zip(&mut self.residents) {
+            resident.look_from(&mut self.device.queue(), tree.placement.to_plant(eye))?;
+        }
         Ok(())
     }
 
