@@ -160,6 +160,8 @@ limits! {
     PLANT_LEAVES: usize = 16_000_000, "leaves";
     /// Vertices of one mesh or of a foliage.
     PLANT_VERTICES: usize = 128_000_000, "vertices";
+    /// Faces of all leaves of several faces of one plant: 36 bytes each on the device.
+    PLANT_FACES: usize = 32_000_000, "faces";
 
     /// Bytes of all plant and species files that a run keeps copies of.
     COPIED_BYTES: u64 = 2_147_483_648, "bytes";
@@ -171,9 +173,11 @@ limits! {
     CACHE_FILES: usize = 4096, "files";
     /// Leaves of all different plants of a scene together.
     WORLD_LEAVES: u64 = 16_000_000, "leaves";
-    /// Trunk triangles of all different plants of a scene together.
+    /// Trunk triangles, and faces of leaves of several faces, of all different plants of a scene
+    /// together.
     WORLD_TRIANGLES: u64 = 32_000_000, "triangles";
-    /// Leaves of all trees of a scene together, each plant counted as often as it stands.
+    /// Leaves of all trees of a scene together, each plant counted as often as it stands, and every two
+    /// faces of leaves of several faces as a leaf.
     STANDING_LEAVES: u64 = 1_000_000_000, "leaves";
     /// Buffers in host memory of the simulated machine, all together. Device memory is limited by
     /// `device.memory` of the scene, and by `DEVICE_BYTES`.

@@ -76,7 +76,7 @@ pub struct VertexStory {
 /// What a leaf looks like.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MaterialStory {
-    /// The foliage group, among those of quad leaves.
+    /// The foliage group, among those of quad leaves; of a leaf of several faces, among all.
     pub group: u32,
     /// The group's name.
     pub name: String,
@@ -213,11 +213,30 @@ pub(super) fn branch_of(crown: &Crown, leaf: u32) -> Option<u32> {
     None
 }
 
+impl MaterialStory {
+    /// Of a group by its place among all, told by another number.
+    pub(super) fn of(crown: &Crown, place: usize, number: u32) -> Option<Self> {
+        let group = crown.plant().foliage().groups.get(place)?;
+        let material = &group.material;
+        Some(Self {
+            group: number,
+            name: group.name.clone(),
+            base_color: material.base_color,
+            texture: material
+                .texture
+                .as_ref()
+                .map(|texture| [texture.width(), texture.height()]),
+            alpha_cutoff: material.alpha_cutoff,
+        })
+    }
+}
+
 /// What an original leaf looks like.
 fn material_of(crown: &Crown, leaf: u32) -> MaterialStory {
+    let foliage = crown.plant().foliage();
     let mut rest = leaf as usize;
     let mut found = None;
-    for (number, (group, _)) in (0..).zip(crown.plant().foliage().quad_groups()) {
+    for (number, (group, _)) in (0..).zip(foliage.quad_groups()) {
         found = Some((number, group));
         if rest < group.owners.len() {
             break;
@@ -225,15 +244,10 @@ fn material_of(crown: &Crown, leaf: u32) -> MaterialStory {
         rest -= group.owners.len();
     }
     let (number, group) = found.expect("a leaf is one of some group");
-    let material = &group.material;
-    MaterialStory {
-        group: number,
-        name: group.name.clone(),
-        base_color: material.base_color,
-        texture: material
-            .texture
-            .as_ref()
-            .map(|texture| [texture.width(), texture.height()]),
-        alpha_cutoff: material.alpha_cutoff,
-    }
+    let place = foliage
+        .groups
+        .iter()
+        .position(|known| std::ptr::eq(known, group));
+    let story = place.and_then(|place| MaterialStory::of(crown, place, number));
+    story.expect("its group is one of the plant's")
 }

@@ -16,6 +16,7 @@
 mod asked;
 mod buffers;
 mod compare;
+mod face;
 mod leaf;
 mod leaves;
 mod operations;
@@ -32,6 +33,7 @@ mod uploads;
 pub use asked::{AskedDifference, PlantFileDifference};
 pub use buffers::{BufferDifference, Insertion, RecordDifference};
 pub use compare::{FirstDifference, RunsReport, SideReport, explain_runs};
+pub use face::FaceStory;
 pub use leaf::{ClusterStory, CollapseStory, LeafStory, MaterialStory, VertexStory};
 pub use leaves::{LeafPlace, MovedLeaf, PlantDifference};
 pub use operations::{OperationDifference, OperationSide};

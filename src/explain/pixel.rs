@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use super::face::{FaceStory, face_story};
 use super::leaf::{LeafBook, LeafStory};
 use super::operations::operations;
 use super::replay::{RecordedRun, Replay, ReplayedFrame};
@@ -79,6 +80,8 @@ pub struct PixelPlace {
     pub colour: [f32; 4],
     /// The leaf that it is part of.
     pub leaf: Option<LeafStory>,
+    /// The face that it is, of a leaf that has several.
+    pub face: Option<FaceStory>,
     /// The triangle of the trunk that it is.
     pub trunk: Option<TrunkStory>,
 }
@@ -109,7 +112,7 @@ pub struct TreeStory {
     /// Collapses that there are.
     pub all_collapses: u32,
     /// Leaves that are visible.
-    pub leaves: u32,
+    pub leaves: u64,
 }
 
 /// Explains a pixel of a frame, or of the run's first: column and row from the top left.
@@ -288,6 +291,7 @@ fn plain_place(fragment: &ProbedFragment) -> PixelPlace {
         front: fragment.front,
         colour: fragment.colour.to_array(),
         leaf: None,
+        face: None,
         trunk: None,
     }
 }
@@ -315,6 +319,9 @@ fn tell(played: &Played<'_>, frame: &Frame, number: u32, places: &mut [Option<Pi
                 let leaf = book.leaf_with([a, b, c, d]);
                 place.leaf = leaf.map(|leaf| book.story(leaf, &tree.placement));
             }
+            (LEAF_GROUP, &[a, b, c]) => {
+                place.face = face_story(crown, [a, b, c], &tree.placement);
+            }
             (TRUNK_GROUP, &[a, b, c]) => {
                 let story = |trunk: &Arc<Trunk>| {
                     trunk_story(crown, trunk, level, [a, b, c], &tree.placement)
@@ -329,7 +336,7 @@ fn tell(played: &Played<'_>, frame: &Frame, number: u32, places: &mut [Option<Pi
         }
         if place.key[0] == CARD_GROUP {
             place.what = "card";
-        } else if place.leaf.is_some() {
+        } else if place.leaf.is_some() || place.face.is_some() {
             place.what = "leaf";
         } else if place.trunk.is_some() {
             place.what = "trunk";
@@ -363,7 +370,7 @@ fn tree_story(run: &RecordedRun, world: &World, frame: &Frame, number: u32) -> O
         },
         collapses: state.collapse_count(),
         all_collapses: crown.sequence().collapse_count(),
-        leaves: state.leaf_count(crown.clusters()),
+        leaves: crown.shown_leaves(state),
     })
 }
 

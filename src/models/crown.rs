@@ -2,12 +2,13 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::LeafErrors;
-use crate::math::{Aabb, Vec3};
+use super::{FaceLeaves, LeafErrors, State};
+use crate::math::{Aabb, Vec3, index_u32};
 use crate::plant::Plant;
 use crate::simplify::{Clusters, CollapseSequence, measure_leaves};
 
-/// The quad leaves of a plant with their collapses; shared by all models of it.
+/// The quad leaves of a plant with their collapses, and its leaves of several faces; shared by all models
+/// of it.
 #[derive(Debug, Clone)]
 pub struct Crown {
     plant: Arc<Plant>,
@@ -17,6 +18,7 @@ pub struct Crown {
     cluster_bounds: Vec<Aabb>,
     cluster_centers: Vec<Vec3>,
     bounds: Aabb,
+    faces: FaceLeaves,
     errors: OnceLock<LeafErrors>,
     mean_leaf_area: OnceLock<f64>,
 }
@@ -45,9 +47,10 @@ impl Crown {
             }
         }
         let cluster_centers = cluster_bounds.iter().map(Aabb::center).collect();
+        let faces = FaceLeaves::of(plant.foliage(), index_u32(vertices.len()));
         let bounds = cluster_bounds
             .iter()
-            .fold(Aabb::EMPTY, |all, one| all.union(*one));
+            .fold(faces.bounds(), |all, one| all.union(*one));
         Self {
             plant,
             vertices,
@@ -56,6 +59,7 @@ impl Crown {
             cluster_bounds,
             cluster_centers,
             bounds,
+            faces,
             errors: OnceLock::new(),
             mean_leaf_area: OnceLock::new(),
         }
@@ -78,6 +82,47 @@ impl Crown {
     #[must_use]
     pub fn original_vertices(&self) -> &[Vec3] {
         &self.vertices[..4 * self.sequence.original_count() as usize]
+    }
+
+    /// The leaves of several faces, which no collapse changes.
+    #[must_use]
+    pub fn faces(&self) -> &FaceLeaves {
+        &self.faces
+    }
+
+    /// The vertices of all leaves at full detail: [those of quads](Self::original_vertices), then those
+    /// of leaves of several faces.
+    #[must_use]
+    pub fn leaf_points(&self) -> Vec<Vec3> {
+        let foliage = self.plant.foliage();
+        let faces = foliage
+            .face_groups()
+            .flat_map(|found| &found.group.positions);
+        self.original_vertices()
+            .iter()
+            .chain(faces)
+            .copied()
+            .collect()
+    }
+
+    /// How many leaves show in a state, those of several faces too; none where cards show.
+    #[must_use]
+    pub fn shown_leaves(&self, state: &State) -> u64 {
+        if matches!(state, State::Cards(_)) {
+            return 0;
+        }
+        let quads = state.leaf_count(&self.clusters);
+        u64::from(quads) + u64::from(self.faces.leaf_count())
+    }
+
+    /// How many triangles these leaves have: two a quad.
+    #[must_use]
+    pub fn shown_triangles(&self, state: &State) -> u64 {
+        if matches!(state, State::Cards(_)) {
+            return 0;
+        }
+        let quads = state.leaf_count(&self.clusters);
+        2 * u64::from(quads) + u64::from(self.faces.face_count())
     }
 
     /// The collapses.
@@ -105,7 +150,7 @@ impl Crown {
         &self.cluster_bounds
     }
 
-    /// The box around all leaves, old and new, in the plant's space.
+    /// The box around all leaves, old and new, in the plant's space; also around those of several faces.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::expand_pass::ExpandPass;
+use super::faces::FaceProgram;
 use super::format::LeafFormat;
 use super::leaf::{LeafProgram, LeafSource};
 use super::pyramid_pass::{CELL_SLOT, PyramidPass, TARGET_SLOT, block_count, pyramid_size};
@@ -22,6 +23,7 @@ pub struct Environment {
     /// By source, then by format.
     leaf: [[ProgramId; 4]; 3],
     pub(super) mesh: ProgramId,
+    pub(super) face: ProgramId,
     view: BufferId,
     instances: BufferId,
     lens: Option<Lens>,
@@ -311,6 +313,7 @@ impl Environment {
         Ok(Self {
             leaf,
             mesh: device.create_program(Arc::new(MeshProgram)),
+            face: device.create_program(Arc::new(FaceProgram)),
             view,
             instances,
             lens: None,

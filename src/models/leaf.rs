@@ -145,24 +145,13 @@ impl Program for LeafProgram {
     }
 
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
-        let view = View::read(bindings.storage(VIEW_SLOT as usize));
         let materials = read_materials(bindings.storage(MATERIAL_SLOT as usize));
-        let surfaces = materials
-            .into_iter()
-            .map(|material| Surface {
-                texture: material
-                    .texture
-                    .checked_sub(1)
-                    .and_then(|slot| bindings.texture(slot as usize)),
-                base_color: material.base_color,
-                alpha_cutoff: material.alpha_cutoff,
-            })
-            .collect();
-        Box::new(LeafFragment {
-            surfaces,
-            light: view.light,
-            ambient: view.ambient,
-        })
+        let looks = materials.iter().map(|material| Look {
+            texture: material.texture,
+            base_color: material.base_color,
+            alpha_cutoff: material.alpha_cutoff,
+        });
+        leaf_kernel(bindings, looks)
     }
 }
 
@@ -459,6 +448,38 @@ impl LeafMaterial {
                 .map(|role| Vec2::from_array(words.f32s(first + 8 + 2 * role))),
         }
     }
+}
+
+/// What the fragment stage knows of a group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Look {
+    /// Texture slot + 1, or 0.
+    pub(super) texture: u32,
+    pub(super) base_color: Vec4,
+    pub(super) alpha_cutoff: f32,
+}
+
+/// The fragment stage of everything that is a leaf, with what its groups look like. Texture coordinates
+/// are varyings; three values are flat: the light's cosine on the front, on the back, and the bits of the
+/// group's number.
+pub(super) fn leaf_kernel<'a>(
+    bindings: &Bindings<'a>,
+    looks: impl Iterator<Item = Look>,
+) -> Box<dyn Kernel + 'a> {
+    let view = View::read(bindings.storage(VIEW_SLOT as usize));
+    let surfaces = looks.map(|look| Surface {
+        texture: look
+            .texture
+            .checked_sub(1)
+            .and_then(|slot| bindings.texture(slot as usize)),
+        base_color: look.base_color,
+        alpha_cutoff: look.alpha_cutoff,
+    });
+    Box::new(LeafFragment {
+        surfaces: surfaces.collect(),
+        light: view.light,
+        ambient: view.ambient,
+    })
 }
 
 fn read_materials(words: Words<'_>) -> Vec<LeafMaterial> {

@@ -32,6 +32,9 @@
 //! These are figures of wide records and float vertices; [`LeafFormat`] has smaller ones for all of them:
 //! records of 8 B, vertices of 8 B. Then every cluster is a draw of its own, also of lists.
 //!
+//! Models simplify quads. [Leaves of several faces](FaceLeaves) are drawn beside them by every model, always
+//! at full detail, at 36 B a face once a species; where a model keeps everything in host memory, so are they.
+//!
 //! **Invariant.** A model reaches the device only through [`Queue`], so its ledger is complete by
 //! construction; no model names `raster`.
 //!
@@ -43,6 +46,7 @@ mod crown;
 mod environment;
 mod errors;
 mod expand_pass;
+mod faces;
 mod format;
 mod frame;
 mod full;
@@ -64,6 +68,7 @@ use std::sync::Arc;
 pub use crown::Crown;
 pub use environment::{Camera, Environment, Placement, View};
 pub use errors::LeafErrors;
+pub use faces::{FaceLeaf, FaceLeaves};
 pub use format::{LeafFormat, Records, Vertices};
 pub use frame::frame_commands;
 pub use lodf::{Extraction, Gather};
@@ -387,7 +392,7 @@ impl Kind {
     #[must_use]
     pub fn model(self, crown: &Arc<Crown>, options: ModelOptions) -> Box<dyn Model> {
         let crown = Arc::clone(crown);
-        match self {
+        let model: Box<dyn Model> = match self {
             Self::Full => Box::new(full::Full::new(crown, options)),
             Self::VdfHost => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Host, options)),
             Self::VdfIndices => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Indices, options)),
@@ -399,6 +404,11 @@ impl Kind {
             Self::LodfDevice => Box::new(lodf::Refined::new(crown, options)),
             Self::Impostors => Box::new(cards::Impostors::new(crown, options)),
             Self::IndirectImpostors => Box::new(cards::IndirectImpostors::new(crown, options)),
+        };
+        if self.shows_leaves() {
+            faces::with_faces(model)
+        } else {
+            model
         }
     }
 }

@@ -52,6 +52,22 @@ pub enum Prototype {
     },
 }
 
+/// A group of leaves of several faces, and where they stand among all leaves with faces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceGroup<'a> {
+    /// Its place among all groups.
+    pub number: usize,
+    /// The *site* of its first leaf: leaves with triangles, quads and those of several faces, are
+    /// numbered group by group.
+    pub first_site: u32,
+    /// The group.
+    pub group: &'a LeafGroup,
+    /// The texture coordinate of each vertex of one leaf.
+    pub texture_coordinates: &'a [Vec2],
+    /// Three vertex indices a face, within one leaf.
+    pub triangles: &'a [[u32; 3]],
+}
+
 impl Prototype {
     /// The texture corners of a leaf that shows a whole image upright: base at the image's bottom.
     pub const WHOLE_IMAGE: [Vec2; 4] = [
@@ -90,6 +106,22 @@ impl LeafGroup {
     #[must_use]
     pub fn leaf_count(&self) -> usize {
         self.owners.len()
+    }
+
+    /// How many of them have triangles: all, or none where they are needles.
+    fn site_count(&self) -> usize {
+        match self.prototype {
+            Prototype::Quad { .. } | Prototype::Faces { .. } => self.leaf_count(),
+            Prototype::Needle { .. } => 0,
+        }
+    }
+
+    /// How many faces leaves of several faces have, over all leaves; other groups have none.
+    fn face_count(&self) -> usize {
+        match &self.prototype {
+            Prototype::Faces { triangles, .. } => self.leaf_count().saturating_mul(triangles.len()),
+            Prototype::Quad { .. } | Prototype::Needle { .. } => 0,
+        }
     }
 
     /// The vertices of one leaf.
@@ -138,6 +170,39 @@ impl Foliage {
             .collect()
     }
 
+    /// The groups of leaves of several faces: drawn by the foliage models at full detail, whatever the
+    /// level.
+    pub fn face_groups(&self) -> impl Iterator<Item = FaceGroup<'_>> {
+        let mut sites = 0;
+        self.groups
+            .iter()
+            .enumerate()
+            .filter_map(move |(number, group)| {
+                let first_site = sites;
+                sites += group.site_count();
+                match &group.prototype {
+                    Prototype::Faces {
+                        texture_coordinates,
+                        triangles,
+                    } => Some(FaceGroup {
+                        number,
+                        first_site: index_u32(first_site),
+                        group,
+                        texture_coordinates,
+                        triangles,
+                    }),
+                    Prototype::Quad { .. } | Prototype::Needle { .. } => None,
+                }
+            })
+    }
+
+    /// How many faces leaves of several faces have together.
+    #[must_use]
+    pub fn face_count(&self) -> usize {
+        let faces = self.groups.iter().map(LeafGroup::face_count);
+        faces.fold(0, usize::saturating_add)
+    }
+
     /// The box around all leaves.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
@@ -167,6 +232,16 @@ impl Foliage {
                 what: "vertices",
                 found,
                 limit: limits::PLANT_VERTICES,
+            });
+        }
+        let found = self.face_count();
+        if found > limits::PLANT_FACES {
+            let part = "foliage".to_owned();
+            return Err(PlantError::TooMany {
+                part,
+                what: "faces of leaves",
+                found,
+                limit: limits::PLANT_FACES,
             });
         }
         self.groups

@@ -22,7 +22,7 @@ mod texture;
 mod tube;
 mod weber_penn;
 
-pub use foliage::{Foliage, LeafGroup, NO_BRANCH, Prototype};
+pub use foliage::{FaceGroup, Foliage, LeafGroup, NO_BRANCH, Prototype};
 pub use mesh::{Material, Mesh};
 pub use silhouette::Silhouette;
 pub use skeleton::{Branch, Node, Skeleton};
@@ -51,7 +51,8 @@ impl Plant {
     ///
     /// When an index is out of range, a coordinate is not finite, a count does not fit the limits
     /// ([`PLANT_LEAVES`](crate::limits::PLANT_LEAVES),
-    /// [`PLANT_VERTICES`](crate::limits::PLANT_VERTICES)), or a leaf names a branch that the skeleton lacks.
+    /// [`PLANT_VERTICES`](crate::limits::PLANT_VERTICES),
+    /// [`PLANT_FACES`](crate::limits::PLANT_FACES)), or a leaf names a branch that the skeleton lacks.
     pub fn new(
         name: impl Into<String>,
         skeleton: Option<Skeleton>,

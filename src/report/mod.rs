@@ -51,6 +51,7 @@ pub use folder::{MARKER, OutputFolder};
 pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
 pub use number::{decimal, grouped, hundredths};
+pub use parallax::{PARALLAX_SCHEMA, parallax_json, parallax_table, parallax_text, write_parallax};
 pub use plot::{Plot, Series};
 pub use quality::{
     PictureView, QualityMeter, QualitySummary, Spread, StepQuality, SweepQuality, ViewQuality,
@@ -63,8 +64,8 @@ pub use run::{
 pub use scatter::{Panel, Point, Scatter, Thing};
 pub use shard::{Merged, RunShare, SHARD_SCHEMA, SweepShare, merge, write_sweep_shard};
 pub use storage::{
-    Accounting, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport, TrunkStorage,
-    is_paper_tree, storage_report,
+    Accounting, FaceCounts, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport,
+    TrunkStorage, is_paper_tree, storage_report,
 };
 pub use sweep::{
     SWEEP_SCHEMA, SweepHeader, quality_notes, quality_plots, quality_table, sweep_csv, sweep_json,

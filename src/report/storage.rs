@@ -24,6 +24,9 @@ pub struct StorageReport {
     /// What there is of it.
     #[serde(flatten)]
     pub counts: LeafCounts,
+    /// Leaves of several faces, which no collapse changes, if the plant has some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub faces: Option<FaceCounts>,
     /// By the papers' accounting.
     pub accountings: Vec<Accounting>,
     /// What was built of the foliage, model by model.
@@ -33,6 +36,15 @@ pub struct StorageReport {
     pub trunk: Option<TrunkStorage>,
     /// Why figures differ.
     pub notes: Vec<String>,
+}
+
+/// How many leaves of several faces there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct FaceCounts {
+    /// Leaves.
+    pub leaves: u64,
+    /// Their faces, three vertices each.
+    pub faces: u64,
 }
 
 /// How many leaves there are and become.
@@ -136,6 +148,10 @@ pub fn storage_report(
         schema: STORAGE_SCHEMA,
         plant: plant.to_owned(),
         counts,
+        faces: (!crown.faces().is_empty()).then(|| FaceCounts {
+            leaves: crown.faces().leaf_count().into(),
+            faces: crown.faces().face_count().into(),
+        }),
         notes: notes(&counts, &accountings),
         accountings,
         models: Kind::LEAVES.into_iter().map(model).collect(),
@@ -203,7 +219,8 @@ impl StorageReport {
     /// What was built of the foliage as a table.
     #[must_use]
     pub fn model_table(&self) -> Table {
-        built_table(&self.models, self.counts.leaves, "B/leaf")
+        let others = self.faces.map_or(0, |faces| faces.leaves);
+        built_table(&self.models, self.counts.leaves + others, "B/leaf")
     }
 
     /// What was built of the trunk as a table, if there is one.
@@ -236,10 +253,17 @@ impl StorageReport {
             }
             _ => String::new(),
         };
+        let faces = self.faces.map_or(String::new(), |faces| {
+            let [leaves, faces, vertices] =
+                [faces.leaves, faces.faces, 3 * faces.faces].map(|count| grouped(count, ","));
+            format!(
+                "{leaves} leaves of several faces: {faces} faces, {vertices} vertices, at every level\n"
+            )
+        });
         let notes: String = self.notes.iter().map(|note| format!("{note}\n")).collect();
         format!(
             "{}: {leaves} leaves, {vertices} vertices, {collapses} collapses,\n\
-             {records} leaves old and new, {groups} clusters\n\n\
+             {records} leaves old and new, {groups} clusters\n{faces}\n\
              By the papers' accounting\n{}\n\
              As built: once a species, then once a tree, on the device and on the host\n{}\n{trunk}{notes}",
             self.plant,

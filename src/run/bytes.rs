@@ -14,6 +14,7 @@ use super::session::{FRAME, Session};
 use super::sweep::{Variant, finest, states_at, traffic_on};
 use super::world::World;
 use crate::gpu::{Ledger, Link, Stream, Traffic};
+use crate::models::State;
 use crate::raster::Counters;
 use crate::scene::{Scene, Simplifier};
 
@@ -113,7 +114,7 @@ pub fn bytes(
         });
         Ok(PlantBytes {
             name: name.to_owned(),
-            leaves: u64::from(crown.sequence().original_count()),
+            leaves: crown.shown_leaves(&State::FINEST),
             clusters: u64::from(crown.sequence().root_count()),
             models: models.collect::<Result<_, RunError>>()?,
         })

@@ -141,7 +141,10 @@ impl CrownStore {
             None => built()?,
         };
         kept.push((key, Arc::clone(&crown)));
-        let leaves = |crown: &Crown| crown.sequence().original_count() as usize;
+        // Four faces of leaves of several faces take about what a quad with its collapses does.
+        let leaves = |crown: &Crown| {
+            (crown.sequence().original_count() + crown.faces().face_count() / 4) as usize
+        };
         let mut sum: usize = kept.iter().map(|(_, crown)| leaves(crown)).sum();
         let mut first = 0;
         while sum > Self::MAX_LEAVES && first + 1 < kept.len() {

@@ -28,8 +28,9 @@ pub struct FrameExport {
 ///
 /// Trees of one plant that show the same leaves share a mesh, and so do trunks at the same level. A leaf is
 /// four vertices of its own, as programs read them (quantised ones where they come to lie), with triangles
-/// 0-1-2 and 0-2-3; its normal is that of its diagonals. Trunks and ground have the vertices that their
-/// triangles use. Leaves of species that are no quads are drawn by no model, and are not there either.
+/// 0-1-2 and 0-2-3; its normal is that of its diagonals. Leaves of several faces are three vertices of their
+/// own a face, with its normal. Trunks and ground have the vertices that their triangles use. Needles are
+/// drawn by no model, and are not there either.
 ///
 /// # Errors
 ///
@@ -63,7 +64,8 @@ pub fn export_frame(
                 let crown = &world.crowns[number];
                 let positions = options.model.format.vertices.positions(crown);
                 let leaves = drawn(crown, options, state);
-                meshes.extend(leaf_meshes(crown, &positions, &leaves).map(|(name, mesh)| {
+                let quads = leaf_meshes(crown, &positions, &leaves);
+                meshes.extend(quads.chain(face_meshes(crown)).map(|(name, mesh)| {
                     let (rim, places) = (TextureRim::Clamp, places.clone());
                     InstancedMesh {
                         name,
@@ -145,7 +147,8 @@ fn check_size(
                 Kind::LodfLiteral => crown.sequence().original_count(),
                 _ => state.leaf_count(crown.clusters()),
             };
-            152 * u64::from(leaves)
+            // Three vertices and indices a face.
+            152 * u64::from(leaves) + 108 * u64::from(crown.faces().face_count())
         }
         // Half a vertex a triangle, and three indices.
         Shown::Trunk(number, level) => world.trunks[number].as_ref().map_or(0, |trunk| {
@@ -203,6 +206,29 @@ fn leaf_meshes<'a>(
                 .extend([0, 1, 2, 0, 2, 3].map(|role| base + role));
         }
         let name = format!("{} {}", crown.plant().name(), group.name);
+        (!mesh.indices.is_empty()).then_some((name, mesh))
+    })
+}
+
+/// A mesh for each group of leaves of several faces.
+fn face_meshes(crown: &Crown) -> impl Iterator<Item = (String, Mesh)> + '_ {
+    let groups = crown.plant().foliage().face_groups();
+    groups.filter_map(|found| {
+        let mut mesh = blank(&found.group.material);
+        for leaf in 0..found.group.leaf_count() {
+            let vertices = found.group.leaf(leaf);
+            for triangle in found.triangles {
+                let base = index_u32(mesh.positions.len());
+                let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+                mesh.positions.extend([a, b, c]);
+                let normal = (b - a).cross(c - a);
+                mesh.normals.extend([normal.normalize_or(Vec3::Y); 3]);
+                let coordinate = |vertex: u32| found.texture_coordinates[vertex as usize];
+                mesh.texture_coordinates.extend(triangle.map(coordinate));
+                mesh.indices.extend([0, 1, 2].map(|corner| base + corner));
+            }
+        }
+        let name = format!("{} {}", crown.plant().name(), found.group.name);
         (!mesh.indices.is_empty()).then_some((name, mesh))
     })
 }

@@ -22,7 +22,8 @@ pub struct Frame {
     pub image_digest: Digest,
     /// Leaves drawn, over all trees.
     pub leaves: u64,
-    /// Triangles drawn: two a leaf, those of cards, the trunks', and the ground's.
+    /// Triangles drawn: two a quad leaf, the faces of others, those of cards, the trunks', and the
+    /// ground's.
     pub triangles: u64,
     /// Of those, the trunks'.
     pub trunk_triangles: u64,

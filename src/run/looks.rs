@@ -220,7 +220,7 @@ pub fn looks<E: From<RunError>>(
                     appearances: like.clone(),
                     subject: Subject::Plant(number),
                     shots: views.shots()?,
-                    leaf_area: measure.area,
+                    leaf_area: measure.area + crown.faces().area(crown.plant()),
                 })?;
                 progress.step();
             }

@@ -60,9 +60,9 @@ pub fn mass(crown: &Arc<Crown>, states: &[State]) -> Result<Vec<Mass>, RunError>
         let visible = state.visible(crown.clusters());
         let measure = measure_leaves(crown.vertices(), crown.sequence(), visible);
         Ok(Mass {
-            leaves: measure.leaves,
+            leaves: measure.leaves + crown.faces().leaf_count(),
             covered: views.covered()?,
-            area: measure.area,
+            area: measure.area + crown.faces().area(crown.plant()),
             folded: measure.folded,
         })
     };

@@ -93,7 +93,7 @@ impl Views {
     ///
     /// What the device refuses.
     pub fn with_vertices(crown: &Arc<Crown>, vertices: Vertices) -> Result<Self, RunError> {
-        Self::make(crown, vertices, Sphere::of(crown.original_vertices()))
+        Self::make(crown, vertices, Sphere::of(&crown.leaf_points()))
     }
 
     /// Shows a crown at full detail, around a given sphere: for leaves that are what was left of

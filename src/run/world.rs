@@ -186,16 +186,23 @@ impl Size {
     fn with_plant(mut self, tree: usize, plant: &Plant) -> Result<Self, RunError> {
         self.leaves += plant.foliage().leaf_count() as u64;
         let triangles = plant.trunk().map_or(0, |trunk| trunk.triangle_count());
-        self.triangles += u64::from(triangles);
+        self.triangles += u64::from(triangles) + plant.foliage().face_count() as u64;
         within("leaves of plants", tree, self.leaves, limits::WORLD_LEAVES)?;
         let limit = limits::WORLD_TRIANGLES;
-        within("trunk triangles of plants", tree, self.triangles, limit)?;
+        within(
+            "triangles of trunks and leaves of plants",
+            tree,
+            self.triangles,
+            limit,
+        )?;
         Ok(self)
     }
 
     /// With a tree that stands.
     fn with_tree(mut self, tree: usize, plant: &Plant) -> Result<Self, RunError> {
-        self.standing += plant.foliage().leaf_count() as u64;
+        // Every two faces of leaves of several faces count as a leaf, which has two.
+        let foliage = plant.foliage();
+        self.standing += (foliage.leaf_count() + foliage.face_count() / 2) as u64;
         let limit = limits::STANDING_LEAVES;
         within("leaves of trees", tree, self.standing, limit)?;
         Ok(self)

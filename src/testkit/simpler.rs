@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{History, Operation, Walk};
 use crate::math::{Vec3, index_u32};
 use crate::models::{Crown, State};
-use crate::plant::{Foliage, Plant};
+use crate::plant::{Foliage, LeafGroup, Plant, Prototype};
 use crate::simplify::hand_on_areas;
 
 /// A case that can be made simpler.
@@ -258,7 +258,12 @@ impl TreeWalk {
         for &leaf in leaves {
             less.walk.history = less.walk.history.without_leaf(leaf);
             let mut number = leaf as usize;
-            for group in &mut less.foliage.groups {
+            for group in less
+                .foliage
+                .groups
+                .iter_mut()
+                .filter(|group| is_quads(group))
+            {
                 let count = group.leaf_count();
                 if number < count {
                     group.owners.remove(number);
@@ -280,12 +285,23 @@ impl std::fmt::Debug for TreeWalk {
     }
 }
 
-/// As for its walk, the foliage losing the same leaves; at last positions on a coarse lattice.
+/// Whether the leaves of a group are those that histories are over.
+fn is_quads(group: &LeafGroup) -> bool {
+    matches!(group.prototype, Prototype::Quad { .. })
+}
+
+/// As for its walk, the foliage losing all leaves that are no quads first, then the same leaves; at last positions on a coarse lattice.
 impl Simpler for TreeWalk {
     fn simpler(&self) -> Vec<Self> {
         let leaves = self.walk.history.leaf_count();
         let chunks = leaf_chunks(leaves).into_iter();
-        let mut simpler: Vec<Self> = chunks.map(|chunk| self.without_leaves(&chunk)).collect();
+        let mut simpler = Vec::new();
+        if !self.foliage.groups.iter().all(is_quads) {
+            let mut quads = self.clone();
+            quads.foliage.groups.retain(is_quads);
+            simpler.push(quads);
+        }
+        simpler.extend(chunks.map(|chunk| self.without_leaves(&chunk)));
         let walks = self.walk.simpler().into_iter();
         let walks = walks.filter(|walk| walk.history.leaf_count() == leaves);
         simpler.extend(walks.map(|walk| Self {

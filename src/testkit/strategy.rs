@@ -20,7 +20,7 @@ use proptest::test_runner::TestRunner;
 
 use super::simpler::{Simpler, TreeWalk};
 use super::{History, Operation, Walk};
-use crate::math::{Draws, Stream, Vec3, index_u32, index_usize};
+use crate::math::{Draws, Stream, Vec2, Vec3, index_u32, index_usize};
 use crate::models::State;
 use crate::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Prototype, Texture};
 
@@ -56,7 +56,8 @@ pub fn walk(options: WalkOptions) -> impl Strategy<Value = Walk> {
 }
 
 /// Walks of models through trees: leaves in two groups of a colour each, at random in a cube from −1
-/// to 1, with a disc on them. Steps are states.
+/// to 1, with a disc on them; in every other tree up to three leaves of three faces between the groups.
+/// Steps are states.
 pub fn tree_walk(options: WalkOptions) -> impl Strategy<Value = TreeWalk> {
     simplest(move |draws| {
         let leaves = between(draws, &options.leaves);
@@ -64,11 +65,14 @@ pub fn tree_walk(options: WalkOptions) -> impl Strategy<Value = TreeWalk> {
         let mut walk = random_walk(draws, leaves, split, &options);
         let states = walk.states();
         walk.operations = states.into_iter().map(Operation::To).collect();
-        let mut group = |count: u32, color| quads(draws, count, color);
-        let groups = vec![
-            group(split, [0.2, 0.8, 0.1, 1.0]),
-            group(leaves - split, [0.9, 0.5, 0.1, 1.0]),
+        let mut groups = vec![
+            quads(draws, split, [0.2, 0.8, 0.1, 1.0]),
+            quads(draws, leaves - split, [0.9, 0.5, 0.1, 1.0]),
         ];
+        if draws.below(2) == 0 {
+            let count = index_u32(1 + below(draws, 3));
+            groups.insert(1, meshes(draws, count, [0.3, 0.3, 0.9, 1.0]));
+        }
         let foliage = Foliage { groups };
         TreeWalk { foliage, walk }
     })
@@ -199,6 +203,26 @@ fn quads(draws: &mut Draws, count: u32, base_color: [f32; 4]) -> LeafGroup {
         alpha_cutoff: 0.5,
     };
     leaf_group(material, positions)
+}
+
+/// Leaves of three faces: a quad bent along a diagonal, and a face beside.
+fn meshes(draws: &mut Draws, count: u32, base_color: [f32; 4]) -> LeafGroup {
+    let mut group = quads(draws, count, base_color);
+    let mut positions = Vec::new();
+    for corners in group.positions.chunks_exact(4) {
+        let mut vector = || 0.2 * Vec3::new(draws.signed(), draws.signed(), draws.signed());
+        positions.extend([corners[0], corners[1], corners[2] + vector(), corners[3]]);
+        positions.push(corners[0] + vector());
+    }
+    let mut texture_coordinates = Prototype::WHOLE_IMAGE.to_vec();
+    texture_coordinates.push(Vec2::new(0.5, 0.5));
+    group.name = "meshes".to_owned();
+    group.prototype = Prototype::Faces {
+        texture_coordinates,
+        triangles: vec![[0, 1, 2], [2, 3, 0], [4, 0, 1]],
+    };
+    group.positions = positions;
+    group
 }
 
 fn leaf_group(material: Material, positions: Vec<Vec3>) -> LeafGroup {

@@ -20,7 +20,8 @@ use spinney::raster::Samples;
 use crate::closed_form::{Expected, Forest, Sent, by_cause, transfers};
 use crate::laws::check_conservation;
 use crate::support::{
-    DeviceModel as _, OPTIONS, Stage, StageExt as _, descriptor, pruned, random_crown, random_state,
+    DeviceModel as _, OPTIONS, Stage, StageExt as _, descriptor, pruned, random_crown,
+    random_state, with_faces,
 };
 
 const REGIONS: ModelOptions = ModelOptions {
@@ -372,6 +373,8 @@ fn every_transfer_is_timed_by_its_devices_link() {
 fn storage_is_what_lies_there() {
     let scenery = [
         "leaf materials",
+        "leaf face materials",
+        "leaf face coordinates",
         "leaf texture",
         "view",
         "placements",
@@ -379,7 +382,7 @@ fn storage_is_what_lies_there() {
     ];
     let crowns = [(1, 2, 1), (2, 3, 3), (3, 25, 4), (4, 90, 9)].map(|(seed, leaves, roots)| {
         let crown = random_crown(seed, leaves, roots);
-        [pruned(&crown), crown]
+        [pruned(&crown), with_faces(&crown), crown]
     });
     for crown in crowns.into_iter().flatten() {
         let formats = LeafFormat::ALL.into_iter();

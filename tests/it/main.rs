@@ -10,6 +10,7 @@ mod device_camera;
 mod diff;
 mod explain;
 mod explain_trunks;
+mod faces;
 mod forest;
 mod forest_faults;
 mod forest_laws;

@@ -103,6 +103,33 @@ pub(crate) fn random_crown(seed: u64, leaves: u32, roots: u32) -> Arc<Crown> {
     Arc::new(Crown::new(Arc::new(plant.expect("sound parts")), sequence))
 }
 
+/// The same with a group of four leaves of three faces between the groups of quads.
+pub(crate) fn with_faces(crown: &Crown) -> Arc<Crown> {
+    let mut foliage = crown.plant().foliage().clone();
+    let mut draws = Stream::new(u64::from(crown.sequence().original_count()), 5).draws();
+    let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
+    let mut positions = Vec::new();
+    for _ in 0..4 {
+        let center = 0.7 * vector();
+        positions.extend((0..5).map(|_| center + 0.4 * vector()));
+    }
+    let mut texture_coordinates = Prototype::WHOLE_IMAGE.to_vec();
+    texture_coordinates.push(Vec2::new(0.5, 0.5));
+    let group = LeafGroup {
+        name: "meshes".to_owned(),
+        prototype: Prototype::Faces {
+            texture_coordinates,
+            triangles: vec![[0, 1, 2], [2, 3, 0], [4, 0, 1]],
+        },
+        positions,
+        owners: vec![NO_BRANCH; 4],
+        ..foliage.groups[0].clone()
+    };
+    foliage.groups.insert(1, group);
+    let plant = Plant::new("mixed", None, None, foliage).expect("sound parts");
+    Arc::new(Crown::new(Arc::new(plant), crown.sequence().clone()))
+}
+
 /// The same with a [random trunk](random_trunk), all of which may go.
 pub(crate) fn random_tree(seed: u64, leaves: u32, roots: u32) -> (Arc<Crown>, Arc<Trunk>) {
     let (mesh, foliage) = (random_mesh(seed), random_foliage(seed, leaves));

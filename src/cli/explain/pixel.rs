@@ -2,8 +2,8 @@
 
 use super::facts::Facts;
 use crate::explain::{
-    CollapseStory, Fate, LeafStory, PixelPlace, PixelReport, Rival, SampleStory, TreeStory,
-    TrunkStory, Verdict,
+    CollapseStory, FaceStory, Fate, LeafStory, MaterialStory, PixelPlace, PixelReport, Rival,
+    SampleStory, TreeStory, TrunkStory, Verdict,
 };
 
 /// The most rivals of a sample that are listed.
@@ -55,6 +55,9 @@ pub(super) fn text(report: &PixelReport, width: usize) -> String {
         }
         if let Some(leaf) = &place.leaf {
             tell_leaf(leaf, &mut facts);
+        }
+        if let Some(face) = &place.face {
+            tell_face(face, &mut facts);
         }
         if let Some(trunk) = &place.trunk {
             tell_trunk(trunk, &mut facts);
@@ -128,6 +131,9 @@ fn shown(report: &PixelReport, sample: &SampleStory) -> String {
 /// A fragment in a few words.
 fn name(place: &PixelPlace) -> String {
     let tree = place.tree;
+    if let Some(face) = &place.face {
+        return format!("leaf {} of tree {tree}", face.site);
+    }
     match (&place.leaf, &place.trunk) {
         (Some(leaf), _) => format!("leaf {} of tree {tree}", leaf.leaf),
         (None, Some(trunk)) => format!("trunk triangle {} of tree {tree}", trunk.triangle),
@@ -186,18 +192,7 @@ fn tell_leaf(leaf: &LeafStory, facts: &mut Facts) {
             cluster.visible
         ),
     );
-    let material = &leaf.material;
-    let texture = material.texture.map_or(String::new(), |[width, height]| {
-        format!(", texture {width} × {height}")
-    });
-    let [r, g, b, _] = material.base_color;
-    facts.add(
-        "material",
-        format!(
-            "{:?} (group {}), linear {r} {g} {b}{texture}, alpha below {} is cut",
-            material.name, material.group, material.alpha_cutoff
-        ),
-    );
+    tell_material(&leaf.material, facts);
     facts.add(
         "vertices",
         "corner (0 and 1 at the base), number, of leaf, on branch; in the plant | in the world, metres",
@@ -211,6 +206,43 @@ fn tell_leaf(leaf: &LeafStory, facts: &mut Facts) {
             branch(vertex.branch),
             point(vertex.plant),
             point(vertex.world)
+        ));
+    }
+}
+
+fn tell_material(material: &MaterialStory, facts: &mut Facts) {
+    let texture = material.texture.map_or(String::new(), |[width, height]| {
+        format!(", texture {width} × {height}")
+    });
+    let [r, g, b, _] = material.base_color;
+    facts.add(
+        "material",
+        format!(
+            "{:?} (group {}), linear {r} {g} {b}{texture}, alpha below {} is cut",
+            material.name, material.group, material.alpha_cutoff
+        ),
+    );
+}
+
+fn tell_face(face: &FaceStory, facts: &mut Facts) {
+    let branch = face
+        .branch
+        .map_or(String::new(), |branch| format!(", on branch {branch}"));
+    facts.add(
+        &format!("leaf {}", face.site),
+        format!(
+            "face {} of {}{branch}; no collapse changes leaves of several faces",
+            face.face, face.faces
+        ),
+    );
+    tell_material(&face.material, facts);
+    facts.add("vertices", "number; in the plant | in the world, metres");
+    for corner in 0..3 {
+        facts.wide_row(&format!(
+            "{:>8}{} |{}",
+            face.vertices[corner],
+            point(face.plant[corner]),
+            point(face.world[corner])
         ));
     }
 }

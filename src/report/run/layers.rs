@@ -15,8 +15,8 @@ pub const NO_NUMBER: u32 = u32::MAX;
 /// | `R`, `G`, `B` | `f32` | linear colour, the mean of a pixel's samples |
 /// | `depth` | `f32` | from 0 (near) to 1 (far), as the depth test sees it, at the first sample |
 /// | `instance` | `u32` | the tree, in the order of the scene, at the first sample; [`NO_NUMBER`] for background |
-/// | `leaf` | `u32` | the leaf in the crown's sequence: originals first, then the new leaf of each collapse; equal in all models and modes; [`NO_NUMBER`] for trunk and background |
-/// | `normal.X`, `.Y`, `.Z` | `f32` | of a leaf: the unit normal that its diagonals give, in world space, not turned to the viewer; 0 elsewhere |
+/// | `leaf` | `u32` | the leaf in the crown's sequence: originals first, then the new leaf of each collapse, then leaves of several faces; equal in all models and modes; [`NO_NUMBER`] for trunk and background |
+/// | `normal.X`, `.Y`, `.Z` | `f32` | of a leaf: the unit normal that its diagonals give, or of its face, in world space, not turned to the viewer; 0 elsewhere |
 ///
 /// `kind` and `options` are the session's.
 ///
@@ -80,6 +80,14 @@ pub fn frame_layers(
             .collect();
         table.sort_unstable();
         for &(_, vertex, pixel) in pixels {
+            let (plant, faces) = (crown.plant(), crown.faces());
+            if let Some(face) = faces.of_vertex(vertex) {
+                let [a, b, c] = faces.corners(plant, &face).unwrap_or_default();
+                let [a, b, c] = [a, b, c].map(|corner| tree.placement.to_world(corner));
+                leaves[pixel] = crown.sequence().record_count() + face.number;
+                normals[pixel] = (b - a).cross(c - a).normalize_or_zero();
+                continue;
+            }
             let found = table.partition_point(|entry| entry.0 < vertex);
             let Some(&(_, leaf)) = table.get(found).filter(|entry| entry.0 == vertex) else {
                 continue;

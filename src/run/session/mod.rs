@@ -262,8 +262,9 @@ impl<'w> Session<'w> {
         let states = self.states();
         let leaves = self.leaf_count();
         let cards: u64 = self.residents.iter().map(|one| one.card_triangles()).sum();
-        let mut trunk_triangles = 0;
+        let (mut leaf_triangles, mut trunk_triangles) = (0, 0);
         for (tree, state) in self.world.trees.iter().zip(&states) {
+            leaf_triangles += self.world.crowns[tree.crown].shown_triangles(&state.foliage);
             if let Some(trunk) = &self.world.trunks[tree.crown] {
                 trunk_triangles += u64::from(self.trunk.triangle_count(trunk, state.trunk));
             }
@@ -277,7 +278,7 @@ impl<'w> Session<'w> {
             image_digest: image.digest(),
             image,
             leaves,
-            triangles: 2 * leaves + cards + trunk_triangles + u64::from(ground),
+            triangles: leaf_triangles + cards + trunk_triangles + u64::from(ground),
             trunk_triangles,
             change: change.foliage,
             trunk_change: change.trunk,
@@ -291,10 +292,8 @@ impl<'w> Session<'w> {
     /// Leaves that are shown as it is committed.
     pub(in crate::run) fn leaf_count(&self) -> u64 {
         let trees = self.world.trees.iter().zip(&self.residents);
-        let leaves = trees.map(|(tree, resident)| {
-            let crown = &self.world.crowns[tree.crown];
-            u64::from(resident.state().leaf_count(crown.clusters()))
-        });
+        let leaves = trees
+            .map(|(tree, resident)| self.world.crowns[tree.crown].shown_leaves(resident.state()));
         leaves.sum()
     }
 
