@@ -27,7 +27,8 @@ pub use mesh::{Material, Mesh};
 pub use silhouette::Silhouette;
 pub use skeleton::{Branch, Node, Skeleton};
 pub use species::{
-    Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species, StemLevel, Wood,
+    Blade, Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species,
+    StemLevel, Wood,
 };
 pub use texture::Texture;
 pub use tube::{Tubes, trunk_mesh};

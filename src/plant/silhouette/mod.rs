@@ -44,6 +44,8 @@ pub enum Silhouette {
     PinnateEntire,
     /// Narrow and pointed, as a willow's.
     Lanceolate,
+    /// Long and pointed with coarse teeth, as a chestnut's.
+    LanceolateSerrate,
     /// Narrow leaves in pairs on a twig: an olive's.
     OliveSprig,
     /// Nearly round with a short tip: an aspen's.
@@ -62,7 +64,7 @@ pub enum Silhouette {
 
 impl Silhouette {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::OvateSerrate,
         Self::BirchSprig,
         Self::Elliptic,
@@ -73,6 +75,7 @@ impl Silhouette {
         Self::Pinnate,
         Self::PinnateEntire,
         Self::Lanceolate,
+        Self::LanceolateSerrate,
         Self::OliveSprig,
         Self::Round,
         Self::YewSpray,
@@ -96,6 +99,7 @@ impl Silhouette {
             Self::Pinnate => "pinnate",
             Self::PinnateEntire => "pinnate_entire",
             Self::Lanceolate => "lanceolate",
+            Self::LanceolateSerrate => "lanceolate_serrate",
             Self::OliveSprig => "olive_sprig",
             Self::Round => "round",
             Self::YewSpray => "yew_spray",
@@ -114,6 +118,7 @@ impl Silhouette {
             | Self::Obovate
             | Self::Lobed
             | Self::Lanceolate
+            | Self::LanceolateSerrate
             | Self::Round => 64,
             Self::BirchSprig
             | Self::CorkOakSprig

@@ -18,6 +18,7 @@ pub(super) fn paint(silhouette: Silhouette, brush: &mut Brush) {
         Silhouette::Obovate => single(brush, obovate),
         Silhouette::Lobed => single(brush, lobed),
         Silhouette::Lanceolate => single(brush, lanceolate),
+        Silhouette::LanceolateSerrate => single(brush, lanceolate_serrate),
         Silhouette::Round => single(brush, round),
         Silhouette::BirchSprig => sprig(brush, ovate_serrate, &SPRIG_OF_FIVE, 0.62),
         Silhouette::OakSprig => sprig(brush, lobed, &SPRIG_OF_FIVE, 0.56),
@@ -49,6 +50,12 @@ fn obovate(share: f32) -> f32 {
 
 fn lanceolate(share: f32) -> f32 {
     hump(share, 0.8)
+}
+
+fn lanceolate_serrate(share: f32) -> f32 {
+    // Teeth point to the tip: each widens, then ends at once.
+    let tooth = (12.0 * share).fract();
+    hump(share, 0.9) * (0.82 + 0.18 * tooth)
 }
 
 fn round(share: f32) -> f32 {

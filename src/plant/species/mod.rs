@@ -217,4 +217,23 @@ pub struct FoliageKind {
     pub width: f32,
     /// The blade's colour, sRGB.
     pub color: [u8; 3],
+    /// How the blade is made.
+    pub blade: Blade,
+}
+
+/// What a leaf's blade is made of; ours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Blade {
+    /// Two faces in one plane: a quad.
+    Flat,
+    /// A mesh that bends along the midrib and folds across it.
+    Bent {
+        /// How many faces: even, at least 4. Every four are a piece of the blade's length over its whole
+        /// width, two on each side of the midrib; two that are left narrow to a point at the tip.
+        faces: u32,
+        /// How far the tip's direction turns down from the base's, in degrees; below 0 up.
+        droop: f32,
+        /// How far each half rises from the plane across the midrib, in degrees; below 0 falls.
+        fold: f32,
+    },
 }

@@ -7,7 +7,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{
-    Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species, StemLevel, Wood,
+    Blade, Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species,
+    StemLevel, Wood,
 };
 use crate::document::{Document, DocumentError};
 use crate::limits;
@@ -143,11 +144,17 @@ struct RawFoliage {
     length_v: Number,
     width: Number,
     color: Option<Spanned<String>>,
+    faces: Whole,
+    droop: Number,
+    fold: Number,
 }
 
 /// The most leaves, and the most trunk triangles, that a species may ask for.
 #[expect(clippy::cast_possible_wrap, reason = "four millions fit")]
 const MOST: i64 = limits::GROWN_LEAVES as i64;
+
+/// The most faces of a leaf.
+const MOST_FACES: i64 = 64;
 
 /// Turns raw tables into checked ones; every default and range of the table of keys is stated here.
 #[derive(Clone, Copy)]
@@ -382,7 +389,29 @@ impl Reader<'_> {
             length_v: number("foliage.length_v", &raw.length_v, 0.0, 0.0..=0.9)?,
             width: number("foliage.width", &raw.width, 1.0, 0.02..=5.0)?,
             color: self.color("foliage.color", raw.color.as_ref(), [0x4f, 0x7a, 0x2c])?,
+            blade: self.blade(raw)?,
         })
+    }
+
+    fn blade(self, raw: &RawFoliage) -> Result<Blade, DocumentError> {
+        let faces = self.whole("foliage.faces", &raw.faces, 2, 2..=MOST_FACES)?;
+        if let Some(found) = raw.faces.as_ref().filter(|_| faces % 2 == 1) {
+            let wanted = format!("foliage.faces is {faces}, wanted an even number");
+            return Err(self.wrong(found, wanted));
+        }
+        let droop = self.number("foliage.droop", &raw.droop, 0.0, -180.0..=180.0)?;
+        let fold = self.number("foliage.fold", &raw.fold, 0.0, -80.0..=80.0)?;
+        if faces > 2 {
+            return Ok(Blade::Bent { faces, droop, fold });
+        }
+        for (key, found) in [("droop", &raw.droop), ("fold", &raw.fold)] {
+            if let Some(found) = found {
+                let wanted =
+                    format!("foliage.{key} is given, wanted foliage.faces of at least 4 with it");
+                return Err(self.wrong(found, wanted));
+            }
+        }
+        Ok(Blade::Flat)
     }
 
     fn number(

@@ -133,6 +133,15 @@ fn wrong_values_are_named_with_line_and_column() {
         ),
         ("leaves", "omit = [-1]", "-1", "wanted 0..=3999999"),
         ("foliage", "length = 0", "0\n", "wanted 0.001..=5"),
+        ("foliage", "faces = 7", "7\n", "wanted an even number"),
+        ("foliage", "faces = 66", "66", "wanted 2..=64"),
+        (
+            "foliage",
+            "fold = 10",
+            "10\n",
+            "wanted foliage.faces of at least 4",
+        ),
+        ("foliage", "faces = 4\nfold = 90", "90", "wanted -80..=80"),
         (
             "",
             "leaf_count = 10000000000",

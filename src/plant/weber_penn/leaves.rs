@@ -1,12 +1,13 @@
 //! Leaves on the stems of the last level: exactly as many as wanted, evenly over the whole crown.
 
 use super::GrowError;
+use super::blade::{Bend, bent_prototype, bent_vertices};
 use super::branching::{Bearer, Wood};
 use super::formulas::{alternate, down_angle, lifted};
 use super::frame::Frame;
 use crate::limits;
 use crate::math::{Stream, Vec3, det, index_u32};
-use crate::plant::{Foliage, FoliageKind, LeafGroup, Material, Prototype, Species};
+use crate::plant::{Blade, Foliage, FoliageKind, LeafGroup, Material, Prototype, Species};
 
 /// Texels whose alpha is below this are not there, in all foliage that grows.
 const ALPHA_CUTOFF: f32 = 0.5;
@@ -44,8 +45,8 @@ pub(super) fn foliage(species: &Species, wood: &Wood) -> Result<Foliage, GrowErr
             let stream = bearer.stream.child(leaf);
             let kind = kind_of(&species.foliage, stream);
             let (base, frame) = place(species, wood, bearer, stream, [leaf, on_stem]);
-            let corners = leaf_corners(&species.foliage[kind], stream, base, frame);
-            groups[kind].positions.extend(corners);
+            let vertices = &mut groups[kind].positions;
+            leaf_vertices(&species.foliage[kind], stream, base, frame, vertices);
             groups[kind].owners.push(bearer.branch);
         }
     }
@@ -66,6 +67,7 @@ fn omit(numbers: &[u32], groups: &mut [LeafGroup]) -> Result<(), GrowError> {
     let mut first = 0;
     let mut rest = numbers;
     for group in groups {
+        let stride = group.prototype.vertices_per_leaf();
         let end = first + group.leaf_count();
         let here;
         (here, rest) = rest.split_at(rest.partition_point(|&number| (number as usize) < end));
@@ -75,11 +77,11 @@ fn omit(numbers: &[u32], groups: &mut [LeafGroup]) -> Result<(), GrowError> {
             group.owners[kept] = group.owners[leaf];
             group
                 .positions
-                .copy_within(4 * leaf..4 * leaf + 4, 4 * kept);
+                .copy_within(stride * leaf..stride * (leaf + 1), stride * kept);
             kept += 1;
         }
         group.owners.truncate(kept);
-        group.positions.truncate(4 * kept);
+        group.positions.truncate(stride * kept);
         first = end;
     }
     Ok(())
@@ -97,8 +99,11 @@ fn empty_group(kind: &FoliageKind) -> LeafGroup {
     let name = kind.silhouette.name();
     LeafGroup {
         name: name.to_owned(),
-        prototype: Prototype::Quad {
-            texture_corners: Prototype::WHOLE_IMAGE,
+        prototype: match kind.blade {
+            Blade::Flat => Prototype::Quad {
+                texture_corners: Prototype::WHOLE_IMAGE,
+            },
+            Blade::Bent { faces, .. } => bent_prototype(faces),
         },
         material: Material {
             name: name.to_owned(),
@@ -235,12 +240,26 @@ fn to_light(base: Vec3, frame: Frame, share: f32) -> Frame {
     frame.roll(share * det::atan2(beside, before).to_degrees())
 }
 
-/// The four corners of a leaf, in the order of corner roles.
-fn leaf_corners(kind: &FoliageKind, stream: Stream, base: Vec3, frame: Frame) -> [Vec3; 4] {
+/// Adds the vertices of a leaf, as its prototype has them.
+fn leaf_vertices(
+    kind: &FoliageKind,
+    stream: Stream,
+    base: Vec3,
+    frame: Frame,
+    vertices: &mut Vec<Vec3>,
+) {
     let length = kind.length * (1.0 + kind.length_v * stream.signed(1));
-    let half = 0.5 * kind.width * length * frame.side;
-    let tip = base + length * frame.heading;
-    [base - half, base + half, tip + half, tip - half]
+    let half = 0.5 * kind.width * length;
+    match kind.blade {
+        Blade::Flat => {
+            let (half, tip) = (half * frame.side, base + length * frame.heading);
+            vertices.extend([base - half, base + half, tip + half, tip - half]);
+        }
+        Blade::Bent { faces, droop, fold } => {
+            let bend = Bend { droop, fold };
+            bent_vertices(faces, bend, base, frame, [length, half], vertices);
+        }
+    }
 }
 
 /// How many leaves grow beyond those that are kept.

@@ -15,6 +15,7 @@
 //! given size of the trunk mesh. The paper's quality factor is left out: detail is other stages'
 //! concern.
 
+mod blade;
 mod branching;
 mod formulas;
 mod frame;

@@ -64,6 +64,38 @@ fn table_1_is_met_to_the_leaf_with_at_most_3_percent_thinned() {
     }
 }
 
+/// The tree of [GSS05](crate::references), section 3.
+#[test]
+fn the_chestnut_has_the_papers_leaves_and_faces() {
+    let species = species("castanea_sativa");
+    for seed in 1..=2 {
+        let plant = grow(&species, seed).unwrap();
+        let foliage = plant.foliage();
+        assert_eq!((foliage.leaf_count(), foliage.quad_count()), (11_291, 0));
+        assert_eq!(foliage.face_count(), 112_910);
+        let group = foliage.face_groups().next().expect("one kind of leaf");
+        assert_eq!(group.triangles.len(), 10);
+        let trunk = plant.trunk().unwrap().triangle_count();
+        assert!(
+            trunk.abs_diff(46_174) * 20 <= 46_174,
+            "seed {seed}: {trunk}"
+        );
+    }
+}
+
+#[test]
+fn leaves_of_several_faces_are_left_out_by_number() {
+    let tables = "faces = 6\n[crown]\nlevels = 1\n[leaves]\n";
+    let whole = grow(&small("leaf_count = 9", tables), 1).unwrap();
+    let some = format!("{tables}omit = [0, 4, 8]\n");
+    let some = grow(&small("leaf_count = 9", &some), 1).unwrap();
+    let [whole, some] = [&whole, &some].map(|plant| &plant.foliage().groups[0]);
+    assert_eq!(some.leaf_count(), 6);
+    for (leaf, kept) in [1, 2, 3, 5, 6, 7].into_iter().enumerate() {
+        assert_eq!(some.leaf(leaf), whole.leaf(kept));
+    }
+}
+
 #[test]
 fn a_yew_grows_to_the_last_bit() {
     // Renew after a meant change of the generator, the silhouettes or the species:
