@@ -76,6 +76,8 @@ pub(super) enum Command {
     Run(RunOptions),
     /// Walk the axis of detail from 0 to 1 for several models
     Sweep(SweepOptions),
+    /// Measure how each plant's foliage moves when the camera moves sideways, model by model
+    Parallax(ParallaxOptions),
     /// Join the folders of all shards of a run or sweep
     Merge(MergeOptions),
     /// Storage table: original, VDF, LoDF, by the papers' accounting and by true sizes
@@ -176,6 +178,22 @@ pub(super) struct SweepOptions {
     /// that of --link; draws nothing, so it is quick
     #[arg(long, conflicts_with_all = ["quality", "size", "samples", "frames", "counters", "shard"])]
     pub(super) bytes: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ParallaxOptions {
+    /// Scene file
+    pub(super) scene: PathBuf,
+    /// Models to measure, such as lodf-stamps@50,lodf-stamps@90: the number says how far towards its
+    /// coarsest level, in hundredths
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    pub(super) models: Vec<String>,
+    /// Pixels of a side of the pictures
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(super) side: u32,
+    /// Steps that the camera moves sideways, over 45 degrees of the tree
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub(super) steps: u32,
 }
 
 #[derive(Debug, Args)]

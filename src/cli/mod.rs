@@ -20,6 +20,7 @@ mod golden;
 mod grow;
 mod inspect;
 mod merge;
+mod parallax;
 mod prepare;
 // WebAssembly has no terminal to draw a bar on.
 #[cfg_attr(target_family = "wasm", path = "progress_none.rs")]
@@ -74,6 +75,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
         Command::Explain(options) => return explain::explain(options, shared, terminal),
         Command::Run(options) => run::run(options, shared, terminal),
         Command::Sweep(options) => sweep::sweep(options, shared, terminal),
+        Command::Parallax(options) => parallax::parallax(options, shared, terminal),
         Command::Merge(options) => merge::merge(options, shared, terminal),
         Command::Storage(options) => storage::storage(options, shared, terminal),
         Command::Inspect(options) => inspect::inspect(options, shared, terminal),

@@ -15,7 +15,8 @@ pub mod rng;
 
 pub use bounds::{Aabb, Frustum, NormalCone, Sphere};
 pub use glam::{
-    Affine3A, DMat3, DVec2, DVec3, Mat3, Mat4, Quat, UVec2, Vec2, Vec3, Vec4, Vec4Swizzles,
+    Affine3A, DMat3, DMat4, DVec2, DVec3, DVec4, Mat3, Mat4, Quat, UVec2, Vec2, Vec3, Vec4,
+    Vec4Swizzles,
 };
 pub use rng::{Draws, Stream};
 

@@ -62,6 +62,7 @@ mod surface;
 mod terrain;
 mod trunk;
 mod vdf;
+mod viewpoint;
 
 use std::sync::Arc;
 
@@ -81,9 +82,10 @@ pub use state::{CardLevel, State, TreeState};
 pub use surface::{CARD_GROUP, LEAF_GROUP, shows_foliage};
 pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel, TrunkSimplifier};
+pub use viewpoint::Viewpoint;
 
-use crate::gpu::{Command, Device, GpuError, Ledger, Queue, Step};
-use crate::math::{Vec3, index_u32};
+use crate::gpu::{Command, Device, GpuError, Key, Ledger, Queue, Step};
+use crate::math::{DVec3, Vec3, index_u32};
 use crate::scene::CardOptions;
 
 /// A level-of-detail model of one crown: immutable, made offline.
@@ -118,6 +120,20 @@ pub trait Model: Send + Sync + std::fmt::Debug {
     /// What it cost to bake its textures on a device of its own, offline; `None` where none are baked.
     fn baked(&self) -> Option<&Ledger> {
         None
+    }
+
+    /// Where a point of what is drawn under a key lies once the viewer has moved, in the plant's space:
+    /// `point` is where it shows from `from`, hidden or not. `None` where that piece of the model is gone.
+    ///
+    /// Leaves stay where they are, and so does whatever does not look at the viewer.
+    fn carried(
+        &self,
+        _key: Key,
+        point: DVec3,
+        _from: &Viewpoint,
+        _to: &Viewpoint,
+    ) -> Option<DVec3> {
+        Some(point)
     }
 }
 

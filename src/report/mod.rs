@@ -24,6 +24,7 @@ mod growing;
 mod html;
 mod image;
 mod number;
+mod parallax;
 mod plot;
 mod quality;
 mod run;

@@ -16,6 +16,7 @@ mod frame;
 mod looks;
 mod mass;
 mod options;
+mod parallax;
 mod plants;
 mod popping;
 mod progress;
@@ -35,6 +36,10 @@ pub use frame::Frame;
 pub use looks::{Appearance, Look, LookOptions, Subject, looked_at, looks};
 pub use mass::{Mass, mass};
 pub use options::SessionOptions;
+pub use parallax::{
+    FlowPicture, FlowPixel, Parallax, ParallaxDistance, ParallaxMeasure, ParallaxOptions,
+    ParallaxScale, ParallaxSubject, PixelSpread, parallax,
+};
 pub use plants::{MAX_PLANT_FILE_BYTES, PlantFiles};
 pub use popping::{PopMeter, Popping};
 pub use progress::{Progress, Silent};

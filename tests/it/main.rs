@@ -25,6 +25,7 @@ mod layering;
 mod mass;
 mod model_contracts;
 mod occlusion;
+mod parallax;
 mod program;
 mod pruned;
 mod raster;
