@@ -168,7 +168,7 @@ impl<'d> Queue<'d> {
         Ok(bytes)
     }
 
-    /// Reads a layer of a render target back: one transfer of 4 bytes a pixel from device to host.
+    /// Reads a layer of a render target back: one transfer from device to host.
     ///
     /// # Errors
     ///

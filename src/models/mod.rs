@@ -25,6 +25,7 @@
 //! | [`Kind::LodfLiteral`] | as `LodfCluster` | as `LodfCluster`, of the papers' static list: wrong leaves |
 //! | [`Kind::Impostors`] | no leaves: textures and corners of cards, at all levels | 4 B |
 //! | [`Kind::IndirectImpostors`] | no leaves: maps, pictures of a leaf, corners of cards | 4 B |
+//! | [`Kind::RIVALS`] | no leaves: pictures of the whole crown | nothing |
 //!
 //! Instances of one species that `LodfDevice` draws share buffers, one dispatch and one draw command, and
 //! may leave out what is hidden ([`Occlusion`]): [`frame_commands`] puts a frame's passes in order.
@@ -83,6 +84,8 @@ pub use surface::{CARD_GROUP, LEAF_GROUP, shows_foliage};
 pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel, TrunkSimplifier};
 pub use viewpoint::Viewpoint;
+
+use cards::RivalForm;
 
 use crate::gpu::{Command, Device, GpuError, Key, Ledger, Queue, Step};
 use crate::math::{DVec3, Vec3, index_u32};
@@ -290,6 +293,20 @@ pub enum Kind {
     Impostors,
     /// Leaf cluster impostors with a map of leaves each, and pictures of one leaf.
     IndirectImpostors,
+    /// One picture of the crown, turned to the viewer about the vertical axis.
+    AxialBillboard,
+    /// The same, turned about its centre.
+    FacingBillboard,
+    /// The first, each texel at its own depth.
+    DepthBillboard,
+    /// Eight pictures from around, of which the nearest shows, turned to the viewer.
+    Sprites,
+    /// Two upright pictures at a right angle, which never turn.
+    CrossedCards,
+    /// Pictures from 64 directions from above, of which the three nearest are blended.
+    HemiOctahedral,
+    /// Pictures from 64 directions all around, likewise.
+    Octahedral,
 }
 
 impl Kind {
@@ -318,8 +335,19 @@ impl Kind {
         Self::LodfLiteral,
     ];
 
+    /// Every kind that shows the whole crown as a few pictures.
+    pub const RIVALS: [Self; 7] = [
+        Self::AxialBillboard,
+        Self::FacingBillboard,
+        Self::DepthBillboard,
+        Self::Sprites,
+        Self::CrossedCards,
+        Self::HemiOctahedral,
+        Self::Octahedral,
+    ];
+
     /// Every kind.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 18] = [
         Self::Full,
         Self::VdfHost,
         Self::VdfIndices,
@@ -331,6 +359,13 @@ impl Kind {
         Self::LodfLiteral,
         Self::Impostors,
         Self::IndirectImpostors,
+        Self::AxialBillboard,
+        Self::FacingBillboard,
+        Self::DepthBillboard,
+        Self::Sprites,
+        Self::CrossedCards,
+        Self::HemiOctahedral,
+        Self::Octahedral,
     ];
 
     /// The name of the model and the name of its mode, as in scene files.
@@ -348,6 +383,13 @@ impl Kind {
             Self::LodfLiteral => ("lodf", "literal"),
             Self::Impostors => ("impostors", "direct"),
             Self::IndirectImpostors => ("impostors", "indirect"),
+            Self::AxialBillboard => ("billboard", "axial"),
+            Self::FacingBillboard => ("billboard", "facing"),
+            Self::DepthBillboard => ("billboard", "depth"),
+            Self::Sprites => ("sprites", "nearest"),
+            Self::CrossedCards => ("crossed", "fixed"),
+            Self::HemiOctahedral => ("octahedral", "hemisphere"),
+            Self::Octahedral => ("octahedral", "sphere"),
         }
     }
 
@@ -379,7 +421,7 @@ impl Kind {
     /// Whether it can show anything but full detail.
     #[must_use]
     pub fn has_levels(self) -> bool {
-        self != Self::Full
+        self != Self::Full && !Self::RIVALS.contains(&self)
     }
 
     /// Whether what it shows are leaves of the crown's sequence, and not cards in their place.
@@ -408,7 +450,15 @@ impl Kind {
     #[must_use]
     pub fn model(self, crown: &Arc<Crown>, options: ModelOptions) -> Box<dyn Model> {
         let crown = Arc::clone(crown);
+        let rival = |form| Box::new(cards::Rival::new(Arc::clone(&crown), self, form, options));
         let model: Box<dyn Model> = match self {
+            Self::AxialBillboard => rival(RivalForm::AxialBillboard),
+            Self::FacingBillboard => rival(RivalForm::FacingBillboard),
+            Self::DepthBillboard => rival(RivalForm::DepthBillboard),
+            Self::Sprites => rival(RivalForm::Sprites),
+            Self::CrossedCards => rival(RivalForm::CrossedCards),
+            Self::HemiOctahedral => rival(RivalForm::HemiOctahedral),
+            Self::Octahedral => rival(RivalForm::Octahedral),
             Self::Full => Box::new(full::Full::new(crown, options)),
             Self::VdfHost => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Host, options)),
             Self::VdfIndices => Box::new(vdf::Vdf::new(crown, vdf::Transfer::Indices, options)),

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use super::Target;
 use super::colour::unit_byte;
 
-/// One of the things that a target holds of each pixel: four bytes a pixel, rows from the top.
+/// One of the things that a target holds of each pixel, rows from the top: four bytes a pixel, but of
+/// [`Float`](Self::Float) sixteen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TargetLayer {
     /// Bytes R, G, B, A: the mean of samples in linear light, then sRGB, alpha straight and linear, as
@@ -14,6 +15,8 @@ pub enum TargetLayer {
     /// The same mean, but each channel as it is times 255, rounded to the nearest: of normals and
     /// offsets, which are no light.
     Linear,
+    /// The same mean as four little-endian `f32`, unrounded: of what is more than 8 bits can hold.
+    Float,
     /// The depth of the first sample, from 0 (near) to 1 (far): a little-endian `f32`.
     Depth,
 }
@@ -28,13 +31,24 @@ impl Target {
                 let colour = self.colour(x, y);
                 colour.to_array().map(unit_byte)
             }),
+            TargetLayer::Float => self.pixel_bytes(|x, y| {
+                let mut bytes = [0; 16];
+                let channels = bytes.as_chunks_mut().0.iter_mut();
+                for (bytes, channel) in channels.zip(self.colour(x, y).to_array()) {
+                    *bytes = channel.to_le_bytes();
+                }
+                bytes
+            }),
             TargetLayer::Depth => self.pixel_bytes(|x, y| self.depth(x, y).to_le_bytes()),
         }
     }
 
-    fn pixel_bytes(&self, pixel_of: impl Fn(u32, u32) -> [u8; 4] + Sync) -> Vec<u8> {
-        let mut bytes = vec![0; 4 * self.width() as usize * self.height() as usize];
-        let rows = bytes.par_chunks_mut(4 * self.width().max(1) as usize);
+    fn pixel_bytes<const BYTES: usize>(
+        &self,
+        pixel_of: impl Fn(u32, u32) -> [u8; BYTES] + Sync,
+    ) -> Vec<u8> {
+        let mut bytes = vec![0; BYTES * self.width() as usize * self.height() as usize];
+        let rows = bytes.par_chunks_mut(BYTES * self.width().max(1) as usize);
         rows.zip(0..self.height()).for_each(|(row, y)| {
             for (pixel, x) in row.as_chunks_mut().0.iter_mut().zip(0..) {
                 *pixel = pixel_of(x, y);
@@ -66,6 +80,14 @@ mod tests {
         assert_eq!(read(TargetLayer::Colour), [255, 124, 188, 102]);
         assert_eq!(read(TargetLayer::Linear), [255, 51, 128, 102]);
         assert_eq!(read(TargetLayer::Depth), 0.25_f32.to_le_bytes());
+        let floats = target.layer_bytes(TargetLayer::Float);
+        assert_eq!(floats.len(), 16 * 65 * 2);
+        let channels = [1.0_f32, 0.2, 0.5, 0.4].map(f32::to_le_bytes);
+        assert!(
+            floats
+                .chunks(16)
+                .all(|pixel| pixel == channels.as_flattened())
+        );
         assert!(
             Target::new(0, 3, Samples::One)
                 .layer_bytes(TargetLayer::Depth)

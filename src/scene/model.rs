@@ -47,6 +47,14 @@ choices! {
         Vdf = "vdf",
         /// Leaf cluster impostors ([GSS05](crate::references)).
         Impostors = "impostors",
+        /// One picture of the crown, turned to the viewer ([GSS05](crate::references), § 1).
+        Billboard = "billboard",
+        /// Pictures from eight sides, of which the nearest shows ([GSS05](crate::references), § 1).
+        Sprites = "sprites",
+        /// Two upright pictures at a right angle ([GSS05](crate::references), § 1).
+        Crossed = "crossed",
+        /// Pictures from 8 × 8 directions, of which three are blended ([B18](crate::references)).
+        Octahedral = "octahedral",
     }
 }
 
@@ -73,6 +81,20 @@ choices! {
         Direct = "direct",
         /// Impostors only: a map of leaves each, and pictures of one leaf.
         Indirect = "indirect",
+        /// Billboards only: turned about the vertical axis, as is usual for trees.
+        Axial = "axial",
+        /// Billboards only: turned about its centre.
+        Facing = "facing",
+        /// Billboards only: axial, each texel at its own depth.
+        Depth = "depth",
+        /// Sprites only: the nearest of all.
+        Nearest = "nearest",
+        /// Crossed cards only: they never turn.
+        Fixed = "fixed",
+        /// Octahedral pictures only: from above.
+        Hemisphere = "hemisphere",
+        /// Octahedral pictures only: from all around.
+        Sphere = "sphere",
     }
 }
 
@@ -202,6 +224,10 @@ impl ModelName {
             Self::Full => &[Mode::Resident],
             Self::Vdf => &[Mode::Host, Mode::Indices],
             Self::Impostors => &[Mode::Direct, Mode::Indirect],
+            Self::Billboard => &[Mode::Axial, Mode::Facing, Mode::Depth],
+            Self::Sprites => &[Mode::Nearest],
+            Self::Crossed => &[Mode::Fixed],
+            Self::Octahedral => &[Mode::Hemisphere, Mode::Sphere],
         }
     }
 
@@ -210,7 +236,11 @@ impl ModelName {
     pub fn shows_leaves(self) -> bool {
         match self {
             Self::Lodf | Self::Full | Self::Vdf => true,
-            Self::Impostors => false,
+            Self::Impostors
+            | Self::Billboard
+            | Self::Sprites
+            | Self::Crossed
+            | Self::Octahedral => false,
         }
     }
 }

@@ -21,8 +21,8 @@ use super::bake_sheet::{Place, Sheets};
 use super::triangles::LeafTriangles;
 use crate::gpu::{
     BufferId, Card, Cause, Command, Corners, Counters, Device, DeviceDescriptor, Draw, GpuError,
-    Ledger, Link, Load, Options, RenderPass, Samples, Step, TargetDescriptor, TextureId, TileSize,
-    Usage,
+    Ledger, Link, Load, Options, RenderPass, Samples, Step, TargetDescriptor, TargetLayer,
+    TextureId, TileSize, Usage,
 };
 use crate::math::{DVec3, Mat4, Vec2, Vec3, Vec4, index_u32};
 use crate::models::surface::{filled, upload_texture};
@@ -124,7 +124,17 @@ impl Rectangle {
         self.greatest - self.least
     }
 
-    /// The point of the rectangle at a texture coordinate, (0, 0) being its upper left corner.
+    /// The texture coordinate of a point: (0, 0) at the upper left corner, (1, 1) at the lower right.
+    #[inline(always)]
+    pub(super) fn coordinate(&self, seen: Vec2) -> Vec2 {
+        let sides = self.sides();
+        Vec2::new(
+            (seen.x - self.least.x) / sides.x,
+            (self.greatest.y - seen.y) / sides.y,
+        )
+    }
+
+    /// The point at a texture coordinate.
     pub(super) fn at(&self, coordinate: Vec2) -> Vec2 {
         let sides = self.sides();
         Vec2::new(
@@ -166,12 +176,21 @@ pub(super) fn bake(
     views: &[BakeView],
     options: BakeOptions,
 ) -> Result<Bake, GpuError> {
+    bake_on_sheets(leaves, views, options, SHEET_PIXELS)
+}
+
+fn bake_on_sheets(
+    leaves: &LeafTriangles,
+    views: &[BakeView],
+    options: BakeOptions,
+    sheet_pixels: u32,
+) -> Result<Bake, GpuError> {
     let factor = options.supersampling.max(1);
     let sizes: Vec<[u32; 2]> = views
         .iter()
         .map(|view| view.size.map(|side| side.saturating_mul(factor)))
         .collect();
-    let sheets = Sheets::of(&sizes, SHEET_PIXELS);
+    let sheets = Sheets::of(&sizes, sheet_pixels);
     let mut device = Device::new(offline_device());
     if views.is_empty() {
         return Ok(Bake {
@@ -200,13 +219,19 @@ pub(super) fn bake(
             steps: stage.steps(first..first + numbers.len()),
         };
         device.queue().submit(&[Command::Render(pass)])?;
-        let seen = device.inspect_target(target)?;
+        let seen = device
+            .queue()
+            .read_target(target, TargetLayer::Float, Cause::of("bake"))?;
+        let (pixels, width) = (seen.as_chunks().0, sheets.size[0]);
         let resolved = numbers
             .par_iter()
             .zip(&views[first..])
             .zip(&depths[first..]);
         let resolved = resolved.map(|((place, view), &depths)| {
-            let pixel = |x: u32, y: u32| seen.colour(place.x + x, place.y + y);
+            let pixel = |x: u32, y: u32| {
+                let at = (place.y + y) as usize * width as usize + (place.x + x) as usize;
+                floats(&pixels[at])
+            };
             resolve(view.size, factor, depths, pixel)
         });
         baked.extend(resolved.collect::<Vec<_>>());
@@ -215,6 +240,14 @@ pub(super) fn bake(
         views: baked,
         ledger: device.take_ledger(),
     })
+}
+
+/// A pixel as it was read back: four little-endian `f32`.
+fn floats(pixel: &[u8; 16]) -> Vec4 {
+    let [red, green, blue, alpha] = pixel.as_chunks().0 else {
+        return Vec4::ZERO;
+    };
+    Vec4::from_array([red, green, blue, alpha].map(|four| f32::from_le_bytes(*four)))
 }
 
 /// A device that nobody's memory limits: what it does is done before anything is drawn for anyone.
@@ -560,12 +593,12 @@ mod tests {
             "..rrrr.. ..rrrr.. ..gggg.. ..gggg.. ....bbbb ....bbbb ....bbbb ....bbbb"
         );
         assert_eq!(picture(&baked.views[2]), ".rr. .gg. ..bb ..bb");
-        // Wider than a sheet of the usual size: each lies on one of its own.
-        let mut large = vec![view(FRONT, BakeSites::All); 2];
-        large.iter_mut().for_each(|view| view.size = [4096, 1024]);
-        let baked = bake(&leaves, &large, options).expect("within a target");
+        // Two do not fit beside each other: each lies on a sheet of its own.
+        let mut wide = vec![view(FRONT, BakeSites::All); 2];
+        wide.iter_mut().for_each(|view| view.size = [2048, 4]);
+        let baked = bake_on_sheets(&leaves, &wide, options, 8192).expect("within a target");
         assert_eq!(baked.views[0], baked.views[1]);
-        assert_eq!(baked.views[0].colour[4 * 1024..][..4], [255, 0, 0, 255]);
+        assert_eq!(baked.views[0].colour[4 * 512..][..4], [255, 0, 0, 255]);
     }
 
     #[test]

@@ -140,11 +140,12 @@ fn color(variant: Variant) -> usize {
         };
     }
     match variant.kind {
-        Kind::Full | Kind::LodfLiteral | Kind::Impostors | Kind::IndirectImpostors => 5,
         Kind::VdfHost | Kind::VdfIndices => 0,
         Kind::LodfHost | Kind::LodfCluster => 1,
         Kind::LodfSlots => 2,
         Kind::LodfStamps => 3,
         Kind::LodfDevice => 4,
+        // One that has no levels, and cards, which are no variants.
+        _ => 5,
     }
 }
