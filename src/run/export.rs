@@ -30,7 +30,7 @@ pub struct FrameExport {
 /// four vertices of its own, as programs read them (quantised ones where they come to lie), with triangles
 /// 0-1-2 and 0-2-3; its normal is that of its diagonals. Leaves of several faces are three vertices of their
 /// own a face, with its normal. Trunks and ground have the vertices that their triangles use. Needles are
-/// drawn by no model, and are not there either.
+/// drawn by no model, and are not there either; nor are cards that stand for leaves.
 ///
 /// # Errors
 ///

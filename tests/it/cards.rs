@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use spinney::math::{Vec3, det};
-use spinney::models::{CardLevel, Crown, Kind, Model, ModelOptions, State};
+use spinney::math::{Mat4, Vec3, det, index_u32};
+use spinney::models::{CardLevel, Crown, Kind, Model, ModelOptions, State, View};
 use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype};
 use spinney::raster::{Counters, Image};
-use spinney::scene::{CardCounts, CardOptions, CardOutline, CardSides};
+use spinney::scene::{CardCounts, CardDepth, CardOptions, CardOutline, CardSides, Transparency};
 use spinney::simplify::{
     CollapseSequence, PlaneHierarchy, PlaneOptions, cluster_planes, flattened, leaf_sites,
 };
@@ -28,9 +28,36 @@ fn options(levels: &[u32], texture: u32) -> ModelOptions {
     }
 }
 
+/// A stage of a model of cards, seen along −z.
 fn at(model: &dyn Model, level: u32) -> Stage {
-    let state = State::Cards(CardLevel(level));
-    Stage::on(descriptor(), model, &state, SIDE)
+    seen(Stage::on(
+        descriptor(),
+        model,
+        &State::Cards(CardLevel(level)),
+        SIDE,
+    ))
+}
+
+/// The stage with a camera at z = 1.6 that looks along −z: depth is `0.3 (1.6 − z)`.
+fn seen(mut stage: Stage) -> Stage {
+    let view = View {
+        clip_from_world: Mat4::from_scale(Vec3::new(0.7, 0.7, -0.3))
+            * Mat4::from_translation(Vec3::new(0.0, 0.0, -1.6)),
+        to_light: Vec3::new(0.48, 0.6, 0.64),
+        light: Vec3::splat(0.8),
+        ambient: Vec3::splat(0.3),
+    };
+    let mut queue = stage.device.queue();
+    stage
+        .environment
+        .set_view(&mut queue, &view)
+        .expect("its own device");
+    stage
+}
+
+/// Leaves as leaves.
+fn leaves(crown: &Arc<Crown>) -> Image {
+    seen(Stage::at(Kind::Full, OPTIONS, crown, &State::FINEST, SIDE)).draw()
 }
 
 /// The crown with its leaves in the planes of so many clusters.
@@ -62,48 +89,26 @@ fn changed(one: &Image, other: &Image) -> usize {
 /// with its texels.
 #[test]
 fn impostors_come_near_to_flattened_leaves() {
-    let crown = random_crown(5, 60, 3);
-    let flat = Stage::at(
-        Kind::Full,
-        OPTIONS,
-        &in_planes(&crown, 4),
-        &State::FINEST,
-        SIDE,
-    )
-    .draw();
+    let crown = scattered_leaves(9, 0.2);
+    let flat = leaves(&in_planes(&crown, 1));
     let found = [16, 64, 256].map(|texture| {
-        let model = Kind::Impostors.model(&crown, options(&[4], texture));
+        let model = Kind::Impostors.model(&crown, options(&[1], texture));
         difference(&flat, &at(model.as_ref(), 0).draw())
     });
     assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
     assert!(found[2] < 0.2 * found[0], "{found:?}");
 }
 
-/// Two squares, red before green as the camera has it; from the camera's side the plane of both shows its
-/// back.
+/// Two squares, the red one nearer; their plane's front is on the side of the origin, where the green one
+/// is nearer.
 ///
 /// ```text
-///  camera ─▶   red │ │ green    ─▶ front of the plane, z = 0
+///  origin      front │ back
+///    ·          green │ │ red      ◀─ camera
 /// ```
 #[test]
 fn from_behind_leaves_lie_in_the_other_order() {
-    let square = |z: f32, color: [f32; 3]| {
-        let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
-        LeafGroup {
-            name: "square".to_owned(),
-            prototype: Prototype::Quad {
-                texture_corners: Prototype::WHOLE_IMAGE,
-            },
-            material: Material::plain("leaf", color),
-            positions: corners.map(|(x, y)| Vec3::new(x, y, z)).to_vec(),
-            owners: vec![NO_BRANCH],
-        }
-    };
-    let groups = vec![square(-0.6, [0.9, 0.0, 0.0]), square(-0.4, [0.0, 0.9, 0.0])];
-    let plant = Plant::new("pair", None, None, Foliage { groups }).expect("sound parts");
-    let corners = vec![[0, 1, 2, 3], [4, 5, 6, 7]];
-    let sequence = CollapseSequence::new(2, corners, Vec::new()).expect("sound");
-    let crown = Arc::new(Crown::new(Arc::new(plant), sequence));
+    let crown = pair();
     let seen = [CardSides::Both, CardSides::Front].map(|sides| {
         let mut options = options(&[1], 64);
         options.cards.sides = sides;
@@ -129,7 +134,7 @@ fn trimmed_impostors_show_the_same_and_cover_less() {
         let mut descriptor = descriptor();
         descriptor.raster.counters = Counters::Exact;
         let state = State::Cards(CardLevel::FINEST);
-        let mut stage = Stage::on(descriptor, model.as_ref(), &state, SIDE);
+        let mut stage = seen(Stage::on(descriptor, model.as_ref(), &state, SIDE));
         let picture = stage.draw();
         let work = stage.device.take_ledger().work;
         (picture, work.expect("exact counters").covered)
@@ -218,7 +223,7 @@ fn impostors_take_and_send_what_they_say() {
 #[test]
 fn maps_come_near_to_pictures() {
     let crown = leaves_in_a_plane(24);
-    let flat = Stage::at(Kind::Full, OPTIONS, &crown, &State::FINEST, SIDE).draw();
+    let flat = leaves(&crown);
     let found = [4, 16, 64].map(|sprites| {
         let mut options = options(&[1], 64);
         options.cards.sprites = sprites;
@@ -245,6 +250,49 @@ fn maps_without_room_are_refused() {
     );
 }
 
+/// A red square at z = 0.6 and a green one at 0.4.
+fn pair() -> Arc<Crown> {
+    let square = |z: f32, color: [f32; 3]| {
+        let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+        LeafGroup {
+            name: "square".to_owned(),
+            prototype: Prototype::Quad {
+                texture_corners: Prototype::WHOLE_IMAGE,
+            },
+            material: Material::plain("leaf", color),
+            positions: corners.map(|(x, y)| Vec3::new(x, y, z)).to_vec(),
+            owners: vec![NO_BRANCH],
+        }
+    };
+    let groups = vec![square(0.6, [0.9, 0.0, 0.0]), square(0.4, [0.0, 0.9, 0.0])];
+    let plant = Plant::new("pair", None, None, Foliage { groups }).expect("sound parts");
+    let corners = vec![[0, 1, 2, 3], [4, 5, 6, 7]];
+    let sequence = CollapseSequence::new(2, corners, Vec::new()).expect("sound");
+    Arc::new(Crown::new(Arc::new(plant), sequence))
+}
+
+/// So many rows and columns of squares that do not overlap, each turned and moved out of the plane z = 0
+/// by up to `off`.
+fn scattered_leaves(side: u32, off: f32) -> Arc<Crown> {
+    let mut positions = Vec::new();
+    for leaf in 0..side * side {
+        let [column, row] = [leaf % side, leaf / side].map(|at| at as f32 / side as f32 - 0.45);
+        let (turn, tilt) = (1.7 * leaf as f32, 0.3 * det::sin(2.3 * leaf as f32));
+        let along = Vec3::new(det::cos(turn), det::sin(turn), tilt).normalize();
+        let across = Vec3::Z.cross(along).normalize();
+        let [along, across] = [along, across].map(|axis| axis * 0.6 / side as f32);
+        let z = off * det::sin(5.1 * leaf as f32);
+        let centre = Vec3::new(2.0 * column, 2.0 * row, z);
+        positions.extend([
+            centre - along - across,
+            centre + along - across,
+            centre + along + across,
+            centre - along + across,
+        ]);
+    }
+    of_quads(positions)
+}
+
 /// Long leaves of one size in the plane z = 0, turned all ways.
 fn leaves_in_a_plane(count: u32) -> Arc<Crown> {
     let mut positions = Vec::new();
@@ -262,27 +310,79 @@ fn leaves_in_a_plane(count: u32) -> Arc<Crown> {
             centre - along + across,
         ]);
     }
+    of_quads(positions)
+}
+
+/// A crown of quads of one colour.
+fn of_quads(positions: Vec<Vec3>) -> Arc<Crown> {
+    let count = index_u32(positions.len() / 4);
     let group = LeafGroup {
         name: "leaves".to_owned(),
         prototype: Prototype::Quad {
             texture_corners: Prototype::WHOLE_IMAGE,
         },
         material: Material::plain("leaf", [0.2, 0.6, 0.1]),
-        owners: vec![NO_BRANCH; count as usize],
+        owners: vec![NO_BRANCH; positions.len() / 4],
         positions,
     };
     let corners = (0..count).map(|leaf| [4 * leaf, 4 * leaf + 1, 4 * leaf + 2, 4 * leaf + 3]);
     let sequence = CollapseSequence::new(count, corners.collect(), Vec::new());
-    let plant = Plant::new(
-        "flat",
-        None,
-        None,
-        Foliage {
-            groups: vec![group],
-        },
+    let groups = vec![group];
+    let plant = Plant::new("quads", None, None, Foliage { groups }).expect("sound parts");
+    Arc::new(Crown::new(Arc::new(plant), sequence.expect("sound")))
+}
+
+/// With relief a texel is as deep as the leaf that it shows; without, as the plane.
+#[test]
+fn relief_has_the_depth_of_leaves() {
+    let crown = pair();
+    let depths = [CardDepth::Paper, CardDepth::Relief].map(|depth| {
+        let mut options = options(&[1], 64);
+        options.cards.depth = depth;
+        let mut stage = at(Kind::Impostors.model(&crown, options).as_ref(), 0);
+        stage.draw();
+        let target = stage.device.inspect_target(stage.target).expect("there");
+        target.depth(SIDE / 2, SIDE / 2)
+    });
+    // The plane lies at z = 0.5, the red square at 0.6; 255 steps of depth lie between both.
+    assert!((depths[0] - 0.33).abs() < 1e-4, "{depths:?}");
+    assert!((depths[1] - 0.30).abs() < 1e-3, "{depths:?}");
+}
+
+/// Blended impostors are sent in order once a change of it; of one sample coverage is the alpha test.
+#[test]
+fn transparency_has_three_ways() {
+    let crown = random_crown(4, 30, 2);
+    let of = |transparency| {
+        let mut options = options(&[5], 32);
+        options.cards.transparency = transparency;
+        let model = Kind::Impostors.model(&crown, options);
+        (at(model.as_ref(), 0), model.storage())
+    };
+    let [test, covered] = [Transparency::Test, Transparency::Coverage].map(|way| of(way).0.draw());
+    assert_eq!(test, covered);
+    let (mut blended, storage) = of(Transparency::Blend);
+    assert_eq!(
+        (storage.host_bytes, storage.instance_bytes),
+        (12 * 5, 4 + 16 * 5)
     );
-    let plant = Arc::new(plant.expect("sound parts"));
-    Arc::new(Crown::new(plant, sequence.expect("sound")))
+    let mut look_from = |z: f32| {
+        blended.device.take_ledger();
+        let mut queue = blended.device.queue();
+        let eye = Vec3::new(0.0, 0.0, z);
+        blended
+            .resident
+            .look_from(&mut queue, eye)
+            .expect("its own device");
+        let picture = blended.draw();
+        (blended.device.take_ledger().upload.payload_bytes, picture)
+    };
+    let (_, from_front) = look_from(1e3);
+    assert_eq!(look_from(1e3), (0, from_front.clone()));
+    let (sent, from_behind) = look_from(-1e3);
+    assert_eq!(sent, 16 * 5);
+    assert_ne!(from_front, from_behind, "the last drawn is on top");
+    assert!(difference(&from_front, &test) < difference(&from_behind, &test));
 }
 
 /// No leaves, no cards, no error.

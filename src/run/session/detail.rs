@@ -34,9 +34,8 @@ impl Session<'_> {
                     (true, true) => axis,
                     (true, false) => State::FINEST,
                     (false, _) => {
-                        let levels = self.kind.card_levels(&self.scene.cards);
-                        let selector = &self.selector;
-                        State::Cards(selector.cards(crown, tree, &view, present, levels))
+                        let levels = self.card_levels;
+                        State::Cards(self.selector.cards(crown, tree, &view, present, levels))
                     }
                 },
             }

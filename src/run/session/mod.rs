@@ -38,6 +38,8 @@ pub struct Session<'w> {
     scene: &'w Scene,
     world: &'w World,
     kind: Kind,
+    /// How many levels its cards have.
+    card_levels: u32,
     trunk: TrunkKind,
     selector: Selector,
     size: ImageSize,
@@ -168,6 +170,7 @@ impl<'w> Session<'w> {
             scene,
             world,
             kind: options.kind,
+            card_levels: options.kind.card_levels(&options.model.cards),
             trunk: options.trunk,
             // Also where foliage has no levels: trunks follow the axis that it would be on.
             selector: Selector::new(Kind::LodfHost, &scene.model),
