@@ -54,8 +54,7 @@ impl Prepared {
         for remark in &world.remarks {
             terminal.remark(remark);
         }
-        let crowns = world.crowns.iter();
-        let digests: Vec<_> = crowns.map(|crown| crown.plant().digest()).collect();
+        let digests: Vec<_> = world.plants.iter().map(|plant| plant.digest()).collect();
         scene.pin_plants(|tree| Some(digests[world.trees.get(tree)?.crown]));
         Ok(Self {
             scene,

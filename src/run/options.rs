@@ -6,7 +6,7 @@ use crate::models::{
     Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, Records, TrunkKind, Vertices,
 };
 use crate::raster::{Counters, Instructions, Options, TileSize};
-use crate::scene::{self, ImageSize, SampleCount, Scene};
+use crate::scene::{self, ImageSize, ModelName, SampleCount, Scene};
 
 /// What a session takes beside its scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +58,12 @@ impl SessionOptions {
             known: known.join(", "),
         };
         let (link, card) = (&scene.device.link, &scene.device.card);
-        let (name, mode) = (scene.model.name.name(), scene.model.mode.name());
+        // The world is flat already: its leaves are drawn as they are.
+        let drawn = match scene.model.name {
+            ModelName::Flattened => ModelName::Full,
+            name => name,
+        };
+        let (name, mode) = (drawn.name(), scene.model.mode.name());
         let modes = || {
             Kind::ALL
                 .iter()

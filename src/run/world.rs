@@ -11,9 +11,10 @@ use crate::limits;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement, Trunk};
 use crate::plant::{Mesh, Plant};
-use crate::scene::{PlantSource, Scene, Simplifier, Tree};
+use crate::scene::{CardOptions, ModelName, PlantSource, Scene, Simplifier, Tree};
 use crate::simplify::{
-    CollapseSequence, LeafCollapseOptions, PruningOptions, collapse_leaves, prune_leaves,
+    CollapseSequence, LeafCollapseOptions, PlaneOptions, PlaneSolver, PruningOptions,
+    cluster_planes, collapse_leaves, flattened, leaf_sites, prune_leaves,
 };
 
 /// The plants of a scene and where they stand.
@@ -21,6 +22,9 @@ use crate::simplify::{
 pub struct World {
     /// Each plant once.
     pub crowns: Vec<Arc<Crown>>,
+    /// The plant of each crown as it was grown or imported, which is what scenes pin; the crown's own is
+    /// another where leaves were [moved](Self::flattened).
+    pub plants: Vec<Arc<Plant>>,
     /// The trunk of each plant that has one; simplified once a model of it wants levels.
     pub trunks: Vec<Option<Arc<Trunk>>>,
     /// The trees in the order of the scene.
@@ -47,6 +51,10 @@ impl World {
         let trunk = |crown: &Arc<Crown>| Trunk::of(crown.plant(), None).map(Arc::new);
         Self {
             trunks: crowns.iter().map(trunk).collect(),
+            plants: crowns
+                .iter()
+                .map(|crown| Arc::clone(crown.plant()))
+                .collect(),
             crowns,
             trees,
             ground: None,
@@ -60,6 +68,7 @@ impl World {
         let placement = trees.next().map(|tree| tree.placement);
         Self {
             crowns: vec![Arc::clone(&self.crowns[number])],
+            plants: vec![Arc::clone(&self.plants[number])],
             trunks: vec![self.trunks[number].clone()],
             trees: vec![StandingTree {
                 crown: 0,
@@ -117,6 +126,7 @@ impl World {
                     size = size.with_plant(number, crown.plant())?;
                     let trunk = store.trunk(crown.plant(), scene.model.trunk_triangles);
                     world.trunks.push(trunk.map(Arc::new));
+                    world.plants.push(Arc::clone(crown.plant()));
                     world.crowns.push(crown);
                     digests.push(None);
                     known.push((&tree.source, tree.seed, world.crowns.len() - 1));
@@ -142,7 +152,35 @@ impl World {
                 placement: placement(tree),
             });
         }
-        Ok(world)
+        Ok(match scene.model.name {
+            ModelName::Flattened => world.flattened(&scene.cards),
+            ModelName::Lodf | ModelName::Full | ModelName::Vdf | ModelName::Impostors => world,
+        })
+    }
+
+    /// The same plants at the same places with every leaf moved into the plane of its cluster, as many
+    /// as the finest level of cards has; none of their leaves collapse.
+    #[must_use]
+    #[expect(clippy::missing_panics_doc, reason = "no input reaches it")]
+    pub fn flattened(&self, cards: &CardOptions) -> Self {
+        let crown = |crown: &Arc<Crown>| {
+            let plant = crown.plant();
+            let sites = leaf_sites(plant.foliage());
+            let clusters = cluster_planes(&sites, &plane_options(cards));
+            let plant = Plant::new(
+                plant.name(),
+                plant.skeleton().cloned(),
+                plant.trunk().cloned(),
+                flattened(plant.foliage(), &clusters.into()),
+            )
+            .expect("as many vertices as before, all of them finite");
+            let leaves = index_u32(plant.foliage().quad_count());
+            Arc::new(Crown::new(Arc::new(plant), untouched(leaves)))
+        };
+        Self {
+            crowns: self.crowns.iter().map(crown).collect(),
+            ..self.clone()
+        }
     }
 
     /// The same plants at the same places, simplified by `simplifier` to as many leaves each as now.
@@ -159,6 +197,16 @@ impl World {
             crowns: self.crowns.iter().map(crown).collect(),
             ..self.clone()
         }
+    }
+}
+
+/// The planes that cards stand in at their finest level.
+fn plane_options(cards: &CardOptions) -> PlaneOptions {
+    PlaneOptions {
+        count: cards.levels.as_slice()[0],
+        orientation_weight: cards.orientation_weight,
+        seeds: cards.plane_seeds,
+        solver: PlaneSolver::Jacobi,
     }
 }
 

@@ -55,6 +55,9 @@ choices! {
         Crossed = "crossed",
         /// Pictures from 8 × 8 directions, of which three are blended ([B18](crate::references)).
         Octahedral = "octahedral",
+        /// No level of detail, and every leaf moved into the plane of its cluster: what impostors are
+        /// equivalent to ([GSS05](crate::references), § 4).
+        Flattened = "flattened",
     }
 }
 
@@ -221,7 +224,7 @@ impl ModelName {
                 Mode::Device,
                 Mode::Literal,
             ],
-            Self::Full => &[Mode::Resident],
+            Self::Full | Self::Flattened => &[Mode::Resident],
             Self::Vdf => &[Mode::Host, Mode::Indices],
             Self::Impostors => &[Mode::Direct, Mode::Indirect],
             Self::Billboard => &[Mode::Axial, Mode::Facing, Mode::Depth],
@@ -235,7 +238,7 @@ impl ModelName {
     #[must_use]
     pub fn shows_leaves(self) -> bool {
         match self {
-            Self::Lodf | Self::Full | Self::Vdf => true,
+            Self::Lodf | Self::Full | Self::Vdf | Self::Flattened => true,
             Self::Impostors
             | Self::Billboard
             | Self::Sprites

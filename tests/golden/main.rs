@@ -31,7 +31,7 @@ goldens! {
     cards { impostors impostors_indirect impostors_trimmed }
     digest { walk_cluster walk_slots walk_stamps yew }
     forest { hill }
-    full { four_samples resident }
+    full { flattened four_samples resident }
     lodf {
         cluster cluster_variable device device_occlusion host literal pruned_cluster pruned_device
         slots slots_gathered slots_variable stamps stamps_variable

@@ -11,6 +11,7 @@ mod diff;
 mod explain;
 mod explain_trunks;
 mod faces;
+mod flattened;
 mod forest;
 mod forest_faults;
 mod forest_laws;

@@ -382,7 +382,8 @@ fn deal_out_block(
     let count = clusters.len();
     let axes = [0, 1, 2, 3, 4, 5].map(|axis| &cloud.axes[axis][first..first + count]);
     let mut nearest = [u64::MAX; BLOCK];
-    let nearest = &mut nearest[..count];
+    // All as long as each other, so that nothing is checked for each site.
+    let (nearest, errors) = (&mut nearest[..count], &mut errors[..count]);
     for (number, plane) in planes.iter().enumerate() {
         for site in 0..count {
             let found = error(cloud.alpha, plane, axes.map(|axis| axis[site]));

@@ -66,11 +66,7 @@ mod tests {
     }
 
     fn level(foliage: &Foliage, count: u32) -> PlaneLevel {
-        let clusters = cluster_planes(&leaf_sites(foliage), &PlaneOptions::to(count));
-        PlaneLevel {
-            planes: clusters.planes,
-            cluster_of_site: clusters.cluster_of_site,
-        }
+        cluster_planes(&leaf_sites(foliage), &PlaneOptions::to(count)).into()
     }
 
     fn random() -> Foliage {

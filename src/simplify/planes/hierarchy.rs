@@ -44,6 +44,15 @@ pub struct PlaneLevel {
     pub cluster_of_site: Vec<u32>,
 }
 
+impl From<PlaneClusters> for PlaneLevel {
+    fn from(clusters: PlaneClusters) -> Self {
+        Self {
+            planes: clusters.planes,
+            cluster_of_site: clusters.cluster_of_site,
+        }
+    }
+}
+
 impl PlaneHierarchy {
     /// Merges clusters of these sites down to one. `orientation_weight` is that of
     /// [`PlaneOptions`](super::PlaneOptions), as the clusters were made with.

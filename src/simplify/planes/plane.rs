@@ -20,12 +20,14 @@ impl Plane {
         FinePlane::of(*self).signed_distance(point.as_dvec3())
     }
 
-    /// The point of the plane that is nearest to `point`.
+    /// The point of the plane that is nearest to `point`; `point` itself where that has no finite
+    /// coordinates, at the end of what `f32` holds.
     #[must_use]
     pub fn project(&self, point: Vec3) -> Vec3 {
         let plane = FinePlane::of(*self);
-        let point = point.as_dvec3();
-        (point - plane.signed_distance(point) * plane.normal).as_vec3()
+        let at = point.as_dvec3();
+        let foot = (at - plane.signed_distance(at) * plane.normal).as_vec3();
+        if foot.is_finite() { foot } else { point }
     }
 
     /// The same points with the normal on the other side.
