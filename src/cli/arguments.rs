@@ -78,6 +78,8 @@ pub(super) enum Command {
     Sweep(SweepOptions),
     /// Measure how each plant's foliage moves when the camera moves sideways, model by model
     Parallax(ParallaxOptions),
+    /// Hold what stands in for leaves against them: looks at three scales, bytes, frame times
+    StandIns(StandInArguments),
     /// Join the folders of all shards of a run or sweep
     Merge(MergeOptions),
     /// Storage table: original, VDF, LoDF, by the papers' accounting and by true sizes
@@ -194,6 +196,26 @@ pub(super) struct ParallaxOptions {
     /// Steps that the camera moves sideways, over 45 degrees of the tree
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=32))]
     pub(super) steps: u32,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct StandInArguments {
+    /// Scene file; its first plant is looked at, foliage alone, on a screen of its size and angle
+    pub(super) scene: PathBuf,
+    #[command(flatten)]
+    pub(super) drawing: Drawing,
+    /// Cards to hold against leaves, such as impostors-direct; lodf-host tells what leaves take that lie in
+    /// host memory
+    #[arg(
+        long,
+        value_name = "A,B,C",
+        value_delimiter = ',',
+        default_value = "impostors-direct,lodf-host"
+    )]
+    pub(super) models: Vec<String>,
+    /// Numbers of planes in which leaves are flattened and impostors stand
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "4,8,16,32,64,128", value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::limits::CARDS)))]
+    pub(super) planes: Vec<u32>,
 }
 
 #[derive(Debug, Args)]

@@ -27,6 +27,7 @@ mod prepare;
 mod progress;
 mod run;
 mod selftest;
+mod stand_ins;
 mod storage;
 mod sweep;
 mod terminal;
@@ -69,6 +70,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
     let shared = &arguments.shared;
     let done = match &arguments.command {
         Command::CheckTrace(options) => return check_trace::check_trace(options, shared, terminal),
+        Command::StandIns(options) => return stand_ins::stand_ins(options, shared, terminal),
         Command::Selftest => return selftest::selftest(shared, terminal),
         Command::Diff(options) => return diff::diff(options, shared, terminal),
         Command::Golden(options) => return golden::golden(options, shared, terminal),

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! Of these pieces [`RunFolder`] makes what `run` leaves, [`write_sweep`] and [`write_bytes`] what `sweep`
-//! leaves, and [`storage_report`] what `storage` prints. [`QualityMeter`] judges pictures of levels.
+//! leaves, and [`storage_report`] what `storage` prints. [`QualityMeter`] judges pictures of levels,
+//! [`StandInMeter`] those of what stands in for leaves; [`write_stand_ins`] makes what `stand-ins` leaves.
 //!
 //! **Invariant.** The bytes of a report are a function of what is reported: nothing in them names
 //! a host, path, clock, thread or the order in which things were done. A folder is there whole or
@@ -31,6 +32,7 @@ mod run;
 mod scatter;
 mod shard;
 mod staging;
+mod stand_ins;
 mod storage;
 mod sweep;
 mod table;
@@ -64,6 +66,11 @@ pub use run::{
 };
 pub use scatter::{Panel, Point, Scatter, Thing};
 pub use shard::{Merged, RunShare, SHARD_SCHEMA, SweepShare, merge, write_sweep_shard};
+pub use stand_ins::{
+    Crossover, STAND_IN_SCHEMA, StandInHeader, StandInMeter, StandInQuality, StandInReport,
+    crossover, stand_in_cost_table, stand_in_json, stand_in_notes, stand_in_plots, stand_in_table,
+    stand_in_text, write_stand_ins,
+};
 pub use storage::{
     Accounting, FaceCounts, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport,
     TrunkStorage, is_paper_tree, storage_report,

@@ -23,6 +23,8 @@ mod progress;
 mod selector;
 mod session;
 mod shard;
+mod stand_ins;
+mod studio;
 mod sweep;
 mod trunks;
 mod views;
@@ -45,6 +47,10 @@ pub use popping::{PopMeter, Popping};
 pub use progress::{Progress, Silent};
 pub use session::{Owner, Session};
 pub use shard::Shard;
+pub use stand_ins::{
+    CURVE_VIEWS, CurvePoint, Leaves, StandIn, StandInCost, StandInFound, StandInLook,
+    StandInOptions, ViewScale, stand_ins,
+};
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
 pub use views::{Shot, VIEW_SIDE, Views, directions};
 pub use world::{StandingTree, World, crown};

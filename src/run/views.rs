@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use super::RunError;
-use crate::gpu::{
-    Card, Command, Device, DeviceDescriptor, Link, Load, RenderPass, TargetDescriptor, TargetId,
-};
+use super::studio::{Studio, StudioOptions};
+use crate::gpu::{Card, Link};
 use crate::math::{Mat4, Sphere, Vec3, Vec4};
 use crate::models::{
-    Crown, Environment, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion,
-    Placement, Records, Resident, State, Vertices, View, shows_foliage,
+    Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion, Records,
+    State, Vertices, shows_foliage,
 };
-use crate::raster::{Counters, Image, Options, Samples, Target, TileSize, decode_srgb};
+use crate::raster::{Counters, Image, Target};
 use crate::scene::CardOptions;
 
 /// Pixels of a picture's side.
@@ -19,9 +18,6 @@ pub const VIEW_SIDE: u32 = 512;
 
 /// The share of the side that the sphere's diameter takes.
 pub(super) const SPHERE_SHARE: f32 = 0.9;
-
-/// The sRGB colour behind the leaves: a hazy sky.
-const SKY: [u8; 3] = [185, 207, 228];
 
 /// The 26 directions from which foliage is judged: through the faces, edges and corners of a cube, of
 /// length 1.
@@ -69,10 +65,7 @@ impl Shot {
 /// that what is found for one plant can be held against what is found for another.
 #[derive(Debug)]
 pub struct Views {
-    device: Device,
-    environment: Environment,
-    resident: Box<dyn Resident>,
-    target: TargetId,
+    studio: Studio,
     sphere: Sphere,
 }
 
@@ -107,17 +100,6 @@ impl Views {
     }
 
     fn make(crown: &Arc<Crown>, vertices: Vertices, sphere: Sphere) -> Result<Self, RunError> {
-        let mut device = Device::new(DeviceDescriptor {
-            memory_bytes: u64::MAX,
-            link: Link::ALL[0],
-            card: Card::ALL[0],
-            raster: Options {
-                tile: TileSize::Side64,
-                counters: Counters::Visible,
-            },
-        });
-        let environment = Environment::new(&mut device, 1)?;
-        environment.place(&mut device.queue(), 0, &Placement::IDENTITY)?;
         let options = ModelOptions {
             extraction: Extraction::Batched,
             gather: Gather::Single,
@@ -129,19 +111,14 @@ impl Views {
             cards: CardOptions::USUAL,
         };
         let model = Kind::LodfStamps.model(crown, options);
-        let shared = model.upload(&mut device, &environment)?;
-        let resident = shared.instance(&mut device, &State::FINEST, 0)?;
-        let target = device.create_target(&TargetDescriptor {
-            label: "view",
-            width: VIEW_SIDE,
-            height: VIEW_SIDE,
-            samples: Samples::One,
-        })?;
+        let studio = StudioOptions {
+            side: VIEW_SIDE,
+            link: Link::ALL[0],
+            card: Card::ALL[0],
+            counters: Counters::Visible,
+        };
         Ok(Self {
-            device,
-            environment,
-            resident,
-            target,
+            studio: Studio::new(model.as_ref(), &State::FINEST, &studio)?,
             sphere,
         })
     }
@@ -152,8 +129,7 @@ impl Views {
     ///
     /// None on this device.
     pub fn show(&mut self, state: &State) -> Result<(), RunError> {
-        self.resident.commit(&mut self.device.queue(), state)?;
-        Ok(())
+        self.studio.show(state)
     }
 
     /// The foliage as it looks from each of [`directions`].
@@ -177,43 +153,15 @@ impl Views {
     }
 
     fn draw(&mut self, direction: Vec3) -> Result<&Target, RunError> {
-        let view = View {
-            clip_from_world: look_along(direction, self.sphere),
-            to_light: Vec3::new(0.4, 0.8, 0.45).normalize(),
-            light: Vec3::new(0.85, 0.82, 0.75),
-            ambient: Vec3::new(0.25, 0.28, 0.32),
-        };
-        let mut queue = self.device.queue();
-        self.environment.set_view(&mut queue, &view)?;
-        let mut steps = Vec::new();
-        self.resident.draw(&mut steps);
-        let load = Load::Clear {
-            color: decode_srgb(SKY),
-            depth: 1.0,
-        };
-        let pass = RenderPass {
-            label: "view".to_owned(),
-            target: self.target,
-            load,
-            steps,
-        };
-        queue.submit(&[Command::Render(pass)])?;
-        // Nobody asks what it cost.
-        self.device.take_ledger();
-        Ok(self.device.inspect_target(self.target)?)
+        let view = look_along(direction, self.sphere);
+        Ok(self.studio.draw(view)?.0)
     }
 }
 
 /// The orthographic view from `direction` onto a sphere.
 fn look_along(direction: Vec3, sphere: Sphere) -> Mat4 {
     let forward = -direction;
-    let up = if direction.y.abs() > 0.9 {
-        Vec3::Z
-    } else {
-        Vec3::Y
-    };
-    let right = forward.cross(up).normalize();
-    let up = right.cross(forward);
+    let [right, up] = across(direction);
     let scale = SPHERE_SHARE / sphere.radius;
     // The sphere takes depths 0.25 to 0.75.
     let deep = 0.25 / sphere.radius;
@@ -225,4 +173,37 @@ fn look_along(direction: Vec3, sphere: Sphere) -> Mat4 {
         Vec4::new(rows[0].z, rows[1].z, rows[2].z, 0.0),
         Vec4::new(offset(rows[0]), offset(rows[1]), offset(rows[2]) + 0.5, 1.0),
     )
+}
+
+/// What lies to the right and up in a picture that is taken from `direction`.
+fn across(direction: Vec3) -> [Vec3; 2] {
+    let up = if direction.y.abs() > 0.9 {
+        Vec3::Z
+    } else {
+        Vec3::Y
+    };
+    let right = (-direction).cross(up).normalize();
+    [right, right.cross(-direction)]
+}
+
+/// The perspective view of a sphere's middle from `direction`, so many metres before its surface, with
+/// the tangent of half the angle that the picture spans.
+pub(super) fn look_from(direction: Vec3, sphere: Sphere, before: f32, tangent: f32) -> Mat4 {
+    let [right, up] = across(direction);
+    let forward = -direction;
+    let eye = sphere.center + (sphere.radius + before) * direction;
+    // Half of the way to the surface, and a little beyond the far side.
+    let (near, far) = (0.5 * before, before + 2.01 * sphere.radius);
+    let deep = far / (far - near);
+    let rows = [right / tangent, up / tangent, forward * deep, forward];
+    let offset = |row: Vec3| -row.dot(eye);
+    let column =
+        |axis: usize| Vec4::new(rows[0][axis], rows[1][axis], rows[2][axis], rows[3][axis]);
+    let last = Vec4::new(
+        offset(rows[0]),
+        offset(rows[1]),
+        offset(rows[2]) - deep * near,
+        offset(rows[3]),
+    );
+    Mat4::from_cols(column(0), column(1), column(2), last)
 }
