@@ -152,9 +152,10 @@ impl World {
                 placement: placement(tree),
             });
         }
-        Ok(match scene.model.name {
-            ModelName::Flattened => world.flattened(&scene.cards),
-            ModelName::Lodf | ModelName::Full | ModelName::Vdf | ModelName::Impostors => world,
+        Ok(if scene.model.name == ModelName::Flattened {
+            world.flattened(&scene.cards)
+        } else {
+            world
         })
     }
 
