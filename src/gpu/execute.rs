@@ -10,12 +10,16 @@ use super::ledger::{Cause, Ledger, Stream, WorkCounts};
 use super::mesh::Meshes;
 use super::pass::{Corners, Load, RenderPass};
 use super::plan::{Plan, PlannedDraw, plan};
-use super::program::{Bindings, Transform, VertexCall};
+use super::program::{Bindings, Transform, VertexCall, Words};
 use super::{Device, GpuError};
+use crate::math::index_u32;
 use crate::raster::{
-    self, Batch, Counters, Geometry, Hull, Instructions, Kernel, PART, Part, ProbedFragment, Skips,
-    Source, Target, Topology,
+    self, ALL, Batch, Boxes, Counters, Geometry, Hull, Instructions, Kernel, PART, Part,
+    ProbedFragment, Skips, Source, Target, Topology, nth,
 };
+
+/// The most corners of a primitive.
+const MAX_CORNERS: usize = 4;
 
 /// Why bytes are pulled by draws.
 const FETCH: Cause = Cause::of("draw");
@@ -144,14 +148,34 @@ fn batches<'b>(
 }
 
 impl DrawSource<'_> {
-    fn emit(&self, part: usize) -> Geometry {
+    fn emit(&self, part: usize, wanted: u64, mut geometry: Geometry) -> Geometry {
+        let size = self.draw.topology.corners();
+        let all = self.draw.mesh.part(part, size);
+        let copies = self.draw.mesh.copies();
+        // Primitives that are wanted, and where their vertices are among the copies.
+        let (mut corners, mut places) = ([0; PART * MAX_CORNERS], [0; PART * MAX_CORNERS]);
+        let first = index_u32(PART * part);
+        let into = [&mut corners, &mut places];
+        let count = match self.draw.topology {
+            Topology::TriangleList => choose::<3>(all, wanted, first, into),
+            Topology::QuadList => choose::<4>(all, wanted, first, into),
+            Topology::LineList => choose::<2>(all, wanted, first, into),
+        };
         let call = VertexCall {
-            corners: self.draw.mesh.part(part, self.draw.topology.corners()),
+            corners: &corners[..count],
+            places: match copies {
+                Some(_) => &places[..count],
+                None => &corners[..count],
+            },
+            vertices: match copies {
+                Some(copies) => Words::of_bytes(copies),
+                None => self.bindings.vertices(),
+            },
             instance: self.draw.instance,
             bindings: &self.bindings,
             instructions: self.instructions,
         };
-        let mut geometry = Geometry::default();
+        geometry.clear();
         self.draw.state.program.vertex_stage(&call, &mut geometry);
         geometry
     }
@@ -161,7 +185,7 @@ impl DrawSource<'_> {
         let parts = 0..self.parts(self.draw.topology);
         let emitted = parts
             .into_par_iter()
-            .map(|part| self.emit(part).clip.len() as u64);
+            .map(|part| self.emit(part, ALL, Geometry::default()).clip.len() as u64);
         emitted.collect::<Vec<u64>>().into_iter().sum()
     }
 }
@@ -186,17 +210,47 @@ impl Source for DrawSource<'_> {
         })
     }
 
-    fn part(&self, part: usize, topology: Topology) -> Part<'_> {
-        let geometry = self.emit(part);
+    fn boxes(&self, part: usize) -> Option<&Boxes> {
+        self.draw.mesh.boxes(part)
+    }
+
+    fn part(&self, part: usize, topology: Topology, wanted: u64, spare: Geometry) -> Part<'_> {
+        let geometry = self.emit(part, wanted, spare);
         Part {
             primitives: 0..geometry.primitive_count(topology),
             geometry: Cow::Owned(geometry),
         }
     }
 
-    fn place(&self, part: usize, primitive: usize) -> usize {
-        self.draw.mesh.place(part, primitive)
+    fn place(&self, part: usize, wanted: u64, primitive: usize) -> usize {
+        self.draw.mesh.place(part, nth(wanted, primitive))
     }
+}
+
+/// Lists the corners of the wanted primitives of a part, and their numbers among the corners of all parts;
+/// the part's first primitive has this number. Answers how many there are.
+fn choose<const CORNERS: usize>(
+    all: &[u32],
+    wanted: u64,
+    first: u32,
+    [corners, places]: [&mut [u32; PART * MAX_CORNERS]; 2],
+) -> usize {
+    let corners = corners.as_chunks_mut::<CORNERS>().0.iter_mut();
+    let mut rooms = corners.zip(places.as_chunks_mut::<CORNERS>().0);
+    let mut count = 0;
+    for (number, primitive) in (0_u32..).zip(all.as_chunks::<CORNERS>().0) {
+        if wanted >> number & 1 == 1
+            && let Some((corners, places)) = rooms.next()
+        {
+            *corners = *primitive;
+            let place = (first + number) * index_u32(CORNERS);
+            for (to, place) in places.iter_mut().zip(place..) {
+                *to = place;
+            }
+            count += CORNERS;
+        }
+    }
+    count
 }
 
 /// What came of a draw.

@@ -10,15 +10,16 @@
 //! is never asked where reads are tracked, and no picture and no counter depends on it.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
 use super::pass::Corners;
 use super::program::{Bindings, Program};
+use super::resource::Buffer;
 use super::{BufferId, ProgramId};
 use crate::math::{Vec3, index_u32};
-use crate::raster::{Blend, PART};
+use crate::raster::{Blend, Boxes, PART};
 
 /// What a mesh depends on.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,6 +49,8 @@ struct Parts {
     sorted: Option<Sorted>,
     /// The box of each part.
     boxes: Vec<[Vec3; 2]>,
+    /// The boxes of the primitives of each part, once the mesh is drawn again.
+    of_primitives: OnceLock<Vec<Boxes>>,
 }
 
 #[derive(Debug)]
@@ -55,6 +58,8 @@ struct Sorted {
     /// Their places in the order of submission.
     order: Vec<u32>,
     corners: Vec<u32>,
+    /// The bytes of the vertex of each corner, where they take about as much room as in their buffer.
+    vertices: Option<Vec<u8>>,
 }
 
 impl Mesh {
@@ -67,7 +72,12 @@ impl Mesh {
     }
 
     /// Finds the boxes of parts, where a program tells them.
-    pub(super) fn cut(&mut self, program: &dyn Program, bindings: &Bindings<'_>) {
+    pub(super) fn cut(
+        &mut self,
+        program: &dyn Program,
+        bindings: &Bindings<'_>,
+        vertices: Option<(&Buffer, u32)>,
+    ) {
         let layout = program.layout();
         let Some(hulls) = program.hulls().filter(|_| layout.blend == Blend::Opaque) else {
             return;
@@ -80,6 +90,7 @@ impl Mesh {
         };
         let mut parts = Parts {
             boxes: boxes(&self.corners),
+            of_primitives: OnceLock::new(),
             sorted: None,
         };
         // Primitives that a vertex stage may leave out have no place that is known.
@@ -98,9 +109,50 @@ impl Mesh {
             let at = |&primitive: &u32| &self.corners[primitive as usize * size..][..size];
             let corners: Vec<u32> = order.iter().flat_map(at).copied().collect();
             parts.boxes = boxes(&corners);
-            parts.sorted = Some(Sorted { order, corners });
+            parts.sorted = Some(Sorted {
+                vertices: copies(&corners, vertices),
+                order,
+                corners,
+            });
         }
         self.parts = Some(parts);
+    }
+
+    /// Finds the boxes of primitives, where those of parts are known: for a mesh that is drawn more than
+    /// once.
+    pub(super) fn look_closer(&self, program: &dyn Program, bindings: &Bindings<'_>) {
+        let (Some(parts), Some(hulls)) = (&self.parts, program.hulls()) else {
+            return;
+        };
+        let size = program.layout().topology.corners();
+        parts.of_primitives.get_or_init(|| {
+            let corners = parts.sorted.as_ref().map(|sorted| &sorted.corners);
+            let corners = corners.unwrap_or(&self.corners);
+            let of_part = |corners: &[u32]| {
+                let mut boxes = Boxes {
+                    middle: [[0.0; PART]; 3],
+                    half: [[0.0; PART]; 3],
+                };
+                for (number, corners) in corners.chunks_exact(size).enumerate() {
+                    let [least, greatest] = hulls.bounds(corners, bindings);
+                    let middle = (least + greatest) * 0.5;
+                    // A little more than rounding takes away.
+                    let half = (greatest - middle).max(middle - least) * (1.0 + 1e-6);
+                    for axis in 0..3 {
+                        boxes.middle[axis][number] = middle[axis];
+                        boxes.half[axis][number] = half[axis];
+                    }
+                }
+                boxes
+            };
+            let parts = corners.par_chunks(PART * size).with_min_len(16);
+            parts.map(of_part).collect()
+        });
+    }
+
+    /// The boxes of a part's primitives, where they are known.
+    pub(super) fn boxes(&self, part: usize) -> Option<&Boxes> {
+        self.parts.as_ref()?.of_primitives.get()?.get(part)
     }
 
     /// The corners of a part of primitives of so many corners.
@@ -109,6 +161,11 @@ impl Mesh {
         let corners = sorted.map_or(&self.corners, |sorted| &sorted.corners);
         let first = part * PART * size;
         &corners[first..corners.len().min(first + PART * size)]
+    }
+
+    /// The bytes of the vertices of all corners, part after part, where they were copied.
+    pub(super) fn copies(&self) -> Option<&[u8]> {
+        self.parts.as_ref()?.sorted.as_ref()?.vertices.as_deref()
     }
 
     /// The box of a part, where it is known.
@@ -122,6 +179,18 @@ impl Mesh {
         let sorted = self.parts.as_ref().and_then(|parts| parts.sorted.as_ref());
         sorted.map_or(number, |sorted| sorted.order[number] as usize)
     }
+}
+
+/// The bytes of the vertices of corners; none where that is much more than all vertices.
+fn copies(corners: &[u32], vertices: Option<(&Buffer, u32)>) -> Option<Vec<u8>> {
+    let (buffer, stride) = vertices?;
+    let stride = stride as usize;
+    let of = |&corner: &u32| {
+        let first = corner as usize * stride;
+        &buffer.bytes[first..first + stride]
+    };
+    let fits = corners.len() * stride <= 2 * buffer.bytes.len() && stride.is_multiple_of(4);
+    fits.then(|| corners.iter().flat_map(of).copied().collect())
 }
 
 /// Whether boxes are far larger than those of as many parts need to be: on average more than three times
@@ -144,10 +213,11 @@ fn scattered(boxes: &[[Vec3; 2]]) -> bool {
     ratio * ratio * ratio * boxes.len() as f64 > 1.0
 }
 
-/// Orders points so that each part of them lies close together: halved at a multiple of a part across
-/// the longest side of their box, again and again.
+/// Orders points so that each part of them lies close together, and within parts those of each eighth:
+/// halved at a multiple of that many across the longest side of their box, again and again.
 fn gather(points: &[Vec3], order: &mut [u32]) {
-    if order.len() <= PART {
+    let together = if order.len() > PART { PART } else { PART / 8 };
+    if order.len() <= together {
         return;
     }
     let at = |&number: &u32| points[number as usize];
@@ -164,11 +234,16 @@ fn gather(points: &[Vec3], order: &mut [u32]) {
     } else {
         2
     };
-    let middle = (order.len() / 2).div_ceil(PART) * PART;
+    let middle = (order.len() / 2).div_ceil(together) * together;
     order.select_nth_unstable_by(middle, |a, b| {
         at(a)[axis].total_cmp(&at(b)[axis]).then(a.cmp(b))
     });
     let (one, other) = order.split_at_mut(middle);
+    if together < PART {
+        gather(points, one);
+        gather(points, other);
+        return;
+    }
     rayon::join(|| gather(points, one), || gather(points, other));
 }
 
@@ -190,14 +265,16 @@ impl Meshes {
         self.known.retain(|_, (_, used)| *used + PASSES >= pass);
     }
 
-    /// The mesh of a key, made if it is not known.
+    /// The mesh of a key, made if it is not known, else looked at closer.
     pub(super) fn get<E>(
         &mut self,
         key: MeshKey,
         make: impl FnOnce() -> Result<Mesh, E>,
+        look_closer: impl FnOnce(&Mesh),
     ) -> Result<Arc<Mesh>, E> {
         if let Some((mesh, used)) = self.known.get_mut(&key) {
             *used = self.pass;
+            look_closer(mesh);
             return Ok(Arc::clone(mesh));
         }
         let mesh = Arc::new(make()?);

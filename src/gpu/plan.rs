@@ -313,10 +313,13 @@ fn plan_draw(
     let mesh = match device.reads {
         None => {
             let key = mesh_key(device, state, records);
-            meshes.get(key, || {
+            let make = || {
                 let mut mesh = assemble(&layout, records, inputs)?;
-                mesh.cut(&*state.program, &state.bindings(device));
+                mesh.cut(&*state.program, &state.bindings(device), inputs.1);
                 Ok(mesh)
+            };
+            meshes.get(key, make, |mesh| {
+                mesh.look_closer(&*state.program, &state.bindings(device));
             })?
         }
         // Every byte that may be read is to be read, seen or not.

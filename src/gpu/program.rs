@@ -115,6 +115,11 @@ impl Transform {
 pub struct VertexCall<'a> {
     /// The vertex index of each corner: whole primitives.
     pub corners: &'a [u32],
+    /// Where each corner's vertex lies among [`vertices`](Self::vertices).
+    pub places: &'a [u32],
+    /// The bound vertices, or copies of those that are drawn, in the order in which they are drawn: nearer
+    /// to one another than in their buffer, to the same bits.
+    pub vertices: Words<'a>,
     /// The instance.
     pub instance: u32,
     /// What is bound.
@@ -174,6 +179,14 @@ impl<'a> Words<'a> {
         Self {
             bytes: &buffer.bytes,
             tracked: reads.map(|reads| (id, reads)),
+        }
+    }
+
+    /// Bytes that are in no buffer.
+    pub(super) fn of_bytes(bytes: &'a [u8]) -> Self {
+        Self {
+            bytes,
+            tracked: None,
         }
     }
 

@@ -422,6 +422,11 @@ impl<'a> VertexReader<'a> {
         }
     }
 
+    /// The same over other vertices.
+    pub(super) fn over(self, vertices: Words<'a>) -> Self {
+        Self { vertices, ..self }
+    }
+
     /// Where a vertex lies, in the plant's space.
     #[inline(always)]
     pub(super) fn position(&self, vertex: u32) -> Vec3 {
@@ -435,6 +440,21 @@ impl<'a> VertexReader<'a> {
                 grid.point([[a, b], [c, d], [e, f]].map(u16::from_le_bytes))
             }
         }
+    }
+
+    /// Where the corners of a leaf lie.
+    #[inline(always)]
+    pub(super) fn positions(&self, leaf: [u32; 4]) -> [Vec3; 4] {
+        let first = leaf[0];
+        if self.grid.is_none()
+            && (1..)
+                .zip(&leaf[1..])
+                .all(|(k, &corner)| corner.wrapping_sub(first) == k)
+        {
+            let all = self.vertices.f32s::<12>(3 * first as usize);
+            return [0, 3, 6, 9].map(|at| Vec3::new(all[at], all[at + 1], all[at + 2]));
+        }
+        leaf.map(|vertex| self.position(vertex))
     }
 
     /// The number that a vertex has in all modes.

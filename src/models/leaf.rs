@@ -118,11 +118,12 @@ impl Program for LeafProgram {
 
     fn vertex_stage(&self, call: &VertexCall<'_>, geometry: &mut Geometry) {
         let pulled;
-        let leaves = match self.source {
-            LeafSource::Indexed => call.corners.as_chunks().0,
+        // Corners as vertex numbers, and as places among the vertices at hand.
+        let (leaves, places) = match self.source {
+            LeafSource::Indexed => (call.corners.as_chunks().0, call.places.as_chunks().0),
             LeafSource::Stamped | LeafSource::Windowed => {
                 pulled = self.standing(call);
-                &pulled
+                (&pulled[..], &pulled[..])
             }
         };
         let count = leaves.len();
@@ -132,10 +133,13 @@ impl Program for LeafProgram {
         geometry.flats.reserve_exact(3 * count);
         geometry.corners.reserve_exact(4 * count);
         let stage = LeafStage::new(call.bindings, call.instance);
-        let vertices = self.vertices(call.bindings);
+        let vertices = match self.source {
+            LeafSource::Indexed => self.vertices(call.bindings).over(call.vertices),
+            LeafSource::Stamped | LeafSource::Windowed => self.vertices(call.bindings),
+        };
         dispatch!(call.instructions.level(), simd => {
-            for leaves in leaves.chunks(LANES) {
-                stage.emit(simd, leaves, &vertices, geometry);
+            for (leaves, places) in leaves.chunks(LANES).zip(places.chunks(LANES)) {
+                stage.emit(simd, leaves, places, &vertices, geometry);
             }
         });
     }
@@ -332,6 +336,7 @@ impl LeafStage {
         &self,
         simd: S,
         leaves: &[[u32; 4]],
+        places: &[[u32; 4]],
         vertices: &VertexReader<'_>,
         geometry: &mut Geometry,
     ) {
@@ -341,15 +346,16 @@ impl LeafStage {
             f32x16::splat(simd, self.placement.scale),
             Vec3Lanes::splat(simd, self.placement.position),
         );
-        for role in 0..4 {
-            let mut at = [[0.0_f32; LANES]; 3];
-            for (lane, corners) in leaves.iter().enumerate().take(LANES) {
-                let point = vertices.position(corners[role]);
+        let mut at = [[[0.0_f32; LANES]; 3]; 4];
+        for (lane, places) in places.iter().enumerate().take(LANES) {
+            for (at, point) in at.iter_mut().zip(vertices.positions(*places)) {
                 at[0][lane] = point.x;
                 at[1][lane] = point.y;
                 at[2][lane] = point.z;
             }
-            let point = Vec3Lanes::new(simd, &at).times(scale);
+        }
+        for role in 0..4 {
+            let point = Vec3Lanes::new(simd, &at[role]).times(scale);
             world[role] = point.rotated(simd, self.placement.rotation).plus(position);
             let projected = world[role].projected(simd, &self.clip_from_world);
             for (axis, values) in projected.into_iter().enumerate() {

@@ -18,7 +18,7 @@ use super::clip::ClipVertex;
 use super::project::{Onto, TOGETHER, snap as snap_lanes};
 use super::reach::Reach;
 use super::setup::{Chunk, CutVertices, check, widen};
-use super::source::{PART, Part};
+use super::source::{ALL, PART, Part};
 use super::view::{PixelBox, Projected, SUBPIXELS, View, inverse_w, snap};
 use super::{Batch, Blend, Geometry, MAX_VARYINGS, Samples, Topology};
 use crate::math::index_u32;
@@ -112,12 +112,12 @@ pub(super) fn set_up<'a>(view: &View, batch: &Batch<'a>, [number, part]: [u32; 2
     lines
         .words
         .reserve((last - first) * PART * lines.stride() + MAX_VARYINGS);
-    let mut kept = Cow::Owned(Geometry::default());
+    let (mut kept, mut spare) = (Cow::Owned(Geometry::default()), Geometry::default());
     for part in first..last {
         let Part {
             geometry,
             primitives,
-        } = batch.geometry.part(part, batch.topology);
+        } = batch.geometry.part(part, batch.topology, ALL, spare);
         check(batch, &geometry);
         let mut builder = Builder {
             view,
@@ -128,14 +128,18 @@ pub(super) fn set_up<'a>(view: &View, batch: &Batch<'a>, [number, part]: [u32; 2
         let primitive = index_u32(primitives.start);
         dispatch!(view.level, simd => builder.all(simd, corners, primitive));
         lines = builder.lines;
+        spare = Geometry::default();
         if batch.kernel.flats() > 0 {
             kept = geometry;
+        } else if let Cow::Owned(geometry) = geometry {
+            spare = geometry;
         }
     }
     lines.words.extend([0; MAX_VARYINGS]);
     Chunk {
         batch: number,
         part,
+        wanted: ALL,
         geometry: kept,
         triangles: Vec::new(),
         cut: CutVertices::default(),

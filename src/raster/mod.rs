@@ -71,6 +71,7 @@
 //! is the one whose linear value is nearest as seen in sRGB.
 
 mod bin;
+mod boxes;
 mod by_sample;
 mod clip;
 mod colour;
@@ -105,7 +106,7 @@ pub use lanes::Instructions;
 pub use layer::TargetLayer;
 pub use pass::{Machine, Options, Rendered, Skips, render, render_on};
 pub use probe::{ProbedFragment, probe};
-pub use source::{Hull, PART, Part, Source};
+pub use source::{ALL, Boxes, Hull, PART, Part, Source, nth};
 pub use texel::TextureFormat;
 pub use texture::{MipMap, Wrap};
 

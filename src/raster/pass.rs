@@ -6,7 +6,7 @@ use super::bin::{Bins, Grid};
 use super::frame::{BLOCK_SIDE, Block, Ready, Target};
 use super::lanes::Instructions;
 use super::piece::pieces;
-use super::tile::{Scene, Scratch, Tile};
+use super::tile::{Scene, Scratch, Scratches, Tile};
 use super::view::{PixelBox, View};
 use super::{Batch, Counters, TileSize, Work};
 
@@ -88,17 +88,18 @@ pub fn render_on(
     };
     let bins = Bins::new(grid, &scene.pieces);
     let (ready, columns, blocks) = target.parts();
+    let scratches = Scratches::default();
     let works: Vec<(Vec<(u32, Work)>, Skips)> = blocks
         .par_iter_mut()
         .with_max_len(1)
         .enumerate()
-        .map_init(
-            || Scratch::new(samples),
-            |scratch, (number, block)| {
-                let place = [number % columns, number / columns];
-                draw_block(&scene, &bins, grid, ready, place, block, scratch)
-            },
-        )
+        .map(|(number, block)| {
+            let place = [number % columns, number / columns];
+            let mut scratch = scratches.take(samples);
+            let done = draw_block(&scene, &bins, grid, ready, place, block, &mut scratch);
+            scratches.put(scratch);
+            done
+        })
         .collect();
     let mut skips = Skips {
         parts,

@@ -16,7 +16,8 @@ use rayon::prelude::*;
 use super::bin::Grid;
 use super::lines::{self, Run, are_lines};
 use super::reach::{Cover, Reach};
-use super::setup::{Chunk, Triangle, set_up};
+use super::setup::{Chunk, Spare, set_up};
+use super::source::PART;
 use super::view::View;
 use super::{Batch, Blend};
 use crate::math::index_u32;
@@ -62,8 +63,8 @@ pub(super) fn pieces<'a>(
     let parts: Vec<[u32; 2]> = parts.collect();
     let taken = AtomicU64::new(0);
     let found = parts.par_iter().with_min_len(64).map_init(
-        Vec::new,
-        |scratch, &[number, part]| -> Option<Piece<'a>> {
+        Spare::default,
+        |spare, &[number, part]| -> Option<Piece<'a>> {
             let batch = &batches[number as usize];
             let hull = batch.geometry.hull(part as usize);
             let piece = |reach, sorted, runs| Piece {
@@ -83,7 +84,7 @@ pub(super) fn pieces<'a>(
                 }
             }
             let numbers = [number, part];
-            let chunk = make(view, batch, numbers, None, scratch);
+            let chunk = make(view, batch, numbers, None, spare);
             let (reach, runs) = match chunk.reach() {
                 Some(reach) => (reach, Vec::new()),
                 None => chunk.lines.sort(view, grid)?,
@@ -105,41 +106,58 @@ fn make<'a>(
     batch: &Batch<'a>,
     numbers: [u32; 2],
     cover: Option<&Cover<'_>>,
-    scratch: &mut Vec<Triangle>,
+    spare: &mut Spare,
 ) -> Chunk<'a> {
     if are_lines(view, batch) {
         lines::set_up(view, batch, numbers)
     } else {
-        set_up(view, batch, numbers, cover, scratch)
+        set_up(view, batch, numbers, cover, spare)
     }
 }
 
+/// In a part that may show on more pixels primitives are no small ones.
+const MOST_PIXELS: usize = 4 * PART;
+
 impl<'a> Piece<'a> {
+    /// Whether its primitives are so small, and known so well, that each tile makes for itself what it sees
+    /// of them.
+    pub(super) fn is_small(&self, batches: &[Batch<'a>]) -> bool {
+        let source = batches[self.batch as usize].geometry;
+        self.reach.pixels.count() <= MOST_PIXELS && source.boxes(self.part as usize).is_some()
+    }
+
     /// Its triangles, made where nobody has asked for them before: then without those that `cover` hides.
     pub(super) fn chunk(
         &self,
         view: &View,
         batches: &[Batch<'a>],
         cover: Option<&Cover<'_>>,
-        scratch: &mut Vec<Triangle>,
+        spare: &mut Spare,
     ) -> Arc<Chunk<'a>> {
         if let Some(chunk) = &self.sorted {
             return Arc::clone(chunk);
+        }
+        if cover.is_some_and(|cover| cover.alone) {
+            let batch = &batches[self.batch as usize];
+            return Arc::new(make(view, batch, [self.batch, self.part], cover, spare));
         }
         // Nothing panics while it is held but what ends the pass.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let chunk = made.get_or_insert_with(|| {
             let batch = &batches[self.batch as usize];
             let numbers = [self.batch, self.part];
-            Arc::new(make(view, batch, numbers, cover, scratch))
+            Arc::new(make(view, batch, numbers, cover, spare))
         });
         Arc::clone(chunk)
     }
 
     /// A tile has done with it; the last one forgets its triangles.
-    pub(super) fn done(&self) {
+    pub(super) fn done(&self, spare: &mut Spare) {
         if self.tiles.fetch_sub(1, Ordering::Relaxed) == 1 {
-            *self.made.lock().unwrap_or_else(PoisonError::into_inner) = None;
+            let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(chunk) = made.take() {
+                spare.take(chunk);
+            }
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::by_sample::{Verdict, moved};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
-use super::setup::{Chunk, Triangle, key, set_up, vertex_ids};
+use super::setup::{Chunk, Spare, Triangle, key, set_up, vertex_ids};
 use super::view::{PixelBox, SUBPIXELS, View};
 use super::{Batch, Blend, Fragment, Key, Samples};
 use crate::math::{Vec4, index_u32};
@@ -57,7 +57,7 @@ pub fn probe(
                 reach.is_some_and(|reach| reach.pixels.meet(here).is_some())
             });
             if reaches {
-                let chunk = set_up(&view, batch, [number, part], None, &mut Vec::new());
+                let chunk = set_up(&view, batch, [number, part], None, &mut Spare::default());
                 look(&chunk, batch, samples, pixel, &mut fragments);
             }
         }

@@ -36,40 +36,71 @@ pub(super) struct Cover<'a> {
     pub(super) origin: [i32; 2],
     /// The depths of the block.
     pub(super) depth: &'a [u32],
+    /// Whether what is made is for this tile alone, so that what lies beside it need not be.
+    pub(super) alone: bool,
 }
 
 impl Cover<'_> {
-    /// Whether all that is there in some pixels is nearer; `false` where some lie beside the tile.
+    /// Whether what is there in a pixel is nearer; where it lies beside the tile, whether that is nothing to
+    /// it.
+    #[inline(always)]
+    pub(super) fn hides_pixel(&self, at: [i32; 2], nearest: f32) -> bool {
+        let Self { pixels, origin, .. } = self;
+        let within = |axis: usize| at[axis] >= pixels.first[axis] && at[axis] <= pixels.last[axis];
+        if !within(0) || !within(1) {
+            return self.alone;
+        }
+        let place = [0, 1].map(|axis| (at[axis] - origin[axis]).unsigned_abs());
+        let depth = self.depth.get((place[1] * BLOCK_SIDE + place[0]) as usize);
+        depth.is_some_and(|&depth| depth < nearest.max(0.0).to_bits())
+    }
+
+    /// Whether all that is there in some pixels is nearer, as far as the tile is asked.
     #[inline(always)]
     pub(super) fn hides(&self, pixels: PixelBox, nearest: f32) -> bool {
-        let within = |axis: usize| {
-            pixels.first[axis] >= self.pixels.first[axis]
-                && pixels.last[axis] <= self.pixels.last[axis]
-        };
-        if !within(0) || !within(1) {
-            return false;
+        match self.pixels.meet(pixels) {
+            Some(met) if self.alone || met == pixels => self.hides_within(met, nearest),
+            Some(_) => false,
+            None => self.alone,
         }
+    }
+
+    /// The same of pixels that lie within the tile.
+    #[inline(always)]
+    pub(super) fn hides_within(&self, pixels: PixelBox, nearest: f32) -> bool {
         let nearest = nearest.max(0.0).to_bits();
-        let columns = (pixels.last[0] - pixels.first[0]).unsigned_abs() as usize + 1;
         let side = BLOCK_SIDE as usize;
-        for y in pixels.first[1]..=pixels.last[1] {
-            let row = (y - self.origin[1]).unsigned_abs() as usize * side;
-            let first = row + (pixels.first[0] - self.origin[0]).unsigned_abs() as usize;
-            for &depth in &self.depth[first..first + columns] {
+        let column = (pixels.first[0] - self.origin[0]).unsigned_abs() as usize;
+        let row = (pixels.first[1] - self.origin[1]).unsigned_abs() as usize;
+        let mut first = row * side + column;
+        let right = (pixels.last[0] - pixels.first[0]).unsigned_abs() as usize;
+        let down = (pixels.last[1] - pixels.first[1]).unsigned_abs() as usize;
+        if right | down <= 1 {
+            // Without a branch: all four, some of them the same.
+            let Some(depth) = self.depth.get(first..=first + right + down * side) else {
+                return false;
+            };
+            let [a, b] = [depth[0], depth[right]];
+            let [c, d] = [depth[down * side], depth[right + down * side]];
+            return a.max(b).max(c.max(d)) < nearest;
+        }
+        for _ in 0..=down {
+            for &depth in &self.depth[first..=first + right] {
                 if depth >= nearest {
                     return false;
                 }
             }
+            first += side;
         }
         true
     }
 }
 
 /// Below this `w` a hull may lie behind the eye, where projecting its corners says nothing.
-const LEAST_W: f64 = 1e-6;
+pub(super) const LEAST_W: f64 = 1e-6;
 
 /// More sub-pixels than snapping and `f64` move a vertex.
-const SNAP: f64 = 2.0;
+pub(super) const SNAP: f64 = 2.0;
 
 impl View {
     /// Where the vertices within a hull may show; `None` for nowhere.

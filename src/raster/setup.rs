@@ -1,6 +1,7 @@
 //! From corners to triangles in sub-pixels: clip, project, snap, turn, drop what covers nothing.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use fearless_simd::{Simd, dispatch};
 
@@ -8,7 +9,7 @@ use super::clip::{ClipVertex, MAX_PARTS};
 use super::lines::{Lines, stroke};
 use super::project::{Projection, TOGETHER};
 use super::reach::{Cover, Reach};
-use super::source::{PART, Part};
+use super::source::{ALL, PART, Part};
 use super::view::{PixelBox, Projected, View, inverse_w, range_of};
 use super::{Batch, Blend, Geometry, Key, MAX_FLATS, MAX_VARYINGS, Topology};
 use crate::math::{Vec4, index_u32};
@@ -53,6 +54,8 @@ pub struct Chunk<'a> {
     pub(super) batch: u32,
     /// The part of the batch.
     pub(super) part: u32,
+    /// The primitives of the part that were made.
+    pub(super) wanted: u64,
     pub(super) geometry: Cow<'a, Geometry>,
     pub(super) triangles: Vec<Triangle>,
     pub(super) cut: CutVertices,
@@ -66,6 +69,32 @@ pub(super) struct CutVertices {
     pub(super) inverse_w: Vec<f32>,
     /// [`MAX_VARYINGS`] floats each; those of the batch are set.
     pub(super) varyings: Vec<[f32; MAX_VARYINGS]>,
+}
+
+/// Memory of chunks that nobody needs any more.
+#[derive(Debug, Default)]
+pub(super) struct Spare {
+    geometries: Vec<Geometry>,
+    triangles: Vec<Vec<Triangle>>,
+}
+
+impl Spare {
+    /// Takes a chunk apart, unless somebody else needs it.
+    pub(super) fn take(&mut self, chunk: Arc<Chunk<'_>>) {
+        let Some(chunk) = Arc::into_inner(chunk) else {
+            return;
+        };
+        if chunk.triangles.capacity() > 0 {
+            let mut triangles = chunk.triangles;
+            triangles.clear();
+            self.triangles.push(triangles);
+        }
+        if let Cow::Owned(geometry) = chunk.geometry
+            && geometry.clip.capacity() > 0
+        {
+            self.geometries.push(geometry);
+        }
+    }
 }
 
 /// The key of a triangle of a batch.
@@ -97,25 +126,43 @@ pub(super) fn vertex_ids<'c>(
 
 /// Sets up a part of a batch, of which both numbers are told.
 ///
-/// Triangles that `cover` hides may be left out: they lie wholly on it.
+/// Triangles that `cover` hides may be left out: they lie wholly on it, unless all that is wanted does.
 pub(super) fn set_up<'a>(
     view: &View,
     batch: &Batch<'a>,
     [number, part]: [u32; 2],
     cover: Option<&Cover<'_>>,
-    scratch: &mut Vec<Triangle>,
+    spare: &mut Spare,
 ) -> Chunk<'a> {
+    let wanted = cover.map_or(ALL, |cover| shown(view, batch, part as usize, cover));
+    if wanted == 0 {
+        return Chunk {
+            batch: number,
+            part,
+            wanted,
+            geometry: Cow::Owned(Geometry::default()),
+            triangles: Vec::new(),
+            cut: CutVertices::default(),
+            lines: Lines::default(),
+        };
+    }
+    let source = batch.geometry;
     let Part {
         geometry,
         primitives,
-    } = batch.geometry.part(part as usize, batch.topology);
+    } = source.part(
+        part as usize,
+        batch.topology,
+        wanted,
+        spare.geometries.pop().unwrap_or_default(),
+    );
     check(batch, &geometry);
     let mut builder = Builder {
         view,
         geometry: &geometry,
         varyings: batch.kernel.varyings(),
         cover,
-        triangles: std::mem::take(scratch),
+        triangles: spare.triangles.pop().unwrap_or_default(),
         cut: CutVertices::default(),
     };
     let (size, first) = (batch.topology.corners(), index_u32(primitives.start));
@@ -135,24 +182,32 @@ pub(super) fn set_up<'a>(
         }
     }
     let Builder {
-        triangles: mut made,
-        cut,
-        ..
+        mut triangles, cut, ..
     } = builder;
-    if batch.blend == Blend::Opaque && are_large(&made) {
-        made.sort_by(|a, b| a.nearest.total_cmp(&b.nearest));
+    if batch.blend == Blend::Opaque && are_large(&triangles) {
+        triangles.sort_by(|a, b| a.nearest.total_cmp(&b.nearest));
     }
-    let triangles = made.clone();
-    made.clear();
-    *scratch = made;
     Chunk {
         batch: number,
         part,
+        wanted,
         geometry,
         triangles,
         cut,
         lines: Lines::default(),
     }
+}
+
+/// The primitives of a part that may show as far as their boxes tell, a bit each.
+fn shown(view: &View, batch: &Batch<'_>, part: usize, cover: &Cover<'_>) -> u64 {
+    if !cover.alone {
+        return ALL;
+    }
+    let (hull, boxes) = (batch.geometry.hull(part), batch.geometry.boxes(part));
+    let (Some(hull), Some(boxes)) = (hull, boxes) else {
+        return ALL;
+    };
+    dispatch!(view.level, simd => view.shown_of(simd, &hull, boxes, cover))
 }
 
 /// A line of a chunk, with so many varyings, as two triangles in a chunk of their own.
@@ -197,6 +252,7 @@ pub(super) fn unfold<'c>(
     Chunk {
         batch: chunk.batch,
         part: chunk.part,
+        wanted: chunk.wanted,
         triangles: builder.triangles,
         cut: builder.cut,
         geometry: Cow::Borrowed(&chunk.geometry),
@@ -207,12 +263,8 @@ pub(super) fn unfold<'c>(
 /// Whether triangles are so large that those in front hide many pixels of those behind them.
 fn are_large(triangles: &[Triangle]) -> bool {
     const PIXELS: usize = 64;
-    let area = |triangle: &Triangle| {
-        let PixelBox { first, last } = triangle.pixels;
-        let side = |axis: usize| (last[axis] - first[axis] + 1).unsigned_abs() as usize;
-        side(0) * side(1)
-    };
-    triangles.iter().map(area).sum::<usize>() > PIXELS * triangles.len()
+    let pixels = triangles.iter().map(|triangle| triangle.pixels.count());
+    pixels.sum::<usize>() > PIXELS * triangles.len()
 }
 
 pub(super) fn check(batch: &Batch<'_>, geometry: &Geometry) {
@@ -272,25 +324,27 @@ impl Builder<'_> {
         let mut primitive = first;
         for corners in corners.chunks(CORNERS * TOGETHER) {
             let projection = Projection::<CORNERS>::new(simd, self.view, self.geometry, corners);
-            let seen = match self.cover {
-                None => projection.seen,
-                Some(cover) => projection.uncovered(self.view, cover),
-            };
-            let mut rest = seen | projection.alone;
+            let shown = projection.shown(self.view, self.cover);
+            let mut rest = shown[0] | shown[1] | projection.alone;
             while rest != 0 {
                 let lane = rest.trailing_zeros() as usize;
                 rest &= rest - 1;
                 let corners = &corners[lane * CORNERS..][..CORNERS];
                 let primitive = primitive + index_u32(lane);
                 let alone = projection.alone >> lane & 1 == 1;
+                let small = projection.small >> lane & 1 == 1;
                 for part in 0..CORNERS - 2 {
+                    if !alone && shown[part] >> lane & 1 == 0 {
+                        continue;
+                    }
                     let places = [0, part + 1, part + 2];
                     let of = [corners[0], corners[part + 1], corners[part + 2]];
                     let part = u8::from(part == 1);
                     if alone {
                         self.triangle(primitive, of, part);
                     } else {
-                        self.projected(primitive, of, part, projection.triangle(lane, places));
+                        let at = projection.triangle(lane, places);
+                        self.projected(primitive, of, part, at, small);
                     }
                 }
             }
@@ -298,9 +352,16 @@ impl Builder<'_> {
         }
     }
 
-    /// A triangle on the target that need not be cut.
+    /// A triangle on the target that need not be cut; `covers` where it is known to cover a sample.
     #[inline(always)]
-    fn projected(&mut self, primitive: u32, corners: [u32; 3], part: u8, at: [Projected; 3]) {
+    fn projected(
+        &mut self,
+        primitive: u32,
+        corners: [u32; 3],
+        part: u8,
+        at: [Projected; 3],
+        covers: bool,
+    ) {
         let ids = &self.geometry.vertex_ids;
         let [a, b, c] = corners.map(|corner| ids[corner as usize]);
         let [p, q, r] = at;
@@ -312,11 +373,11 @@ impl Builder<'_> {
             cut: false,
         };
         if a <= b && a <= c {
-            self.emit([p, q, r], [i, j, k], source);
+            self.emit([p, q, r], [i, j, k], source, covers);
         } else if b <= c {
-            self.emit([q, r, p], [j, k, i], source);
+            self.emit([q, r, p], [j, k, i], source, covers);
         } else {
-            self.emit([r, p, q], [k, i, j], source);
+            self.emit([r, p, q], [k, i, j], source, covers);
         }
     }
 
@@ -347,7 +408,7 @@ impl Builder<'_> {
                 self.view.project(b),
                 self.view.project(c),
             ];
-            self.emit(projected, corners, source);
+            self.emit(projected, corners, source, false);
         } else {
             let polygon = self.view.volume.clip_triangle(positions);
             self.cut_polygon(corners, source, polygon.vertices());
@@ -370,7 +431,7 @@ impl Builder<'_> {
         for (pair, second) in polygon[1..].windows(2).zip(first + 1..) {
             let fan = [polygon[0], pair[0], pair[1]];
             let projected = fan.map(|vertex| self.view.project(vertex.position));
-            self.emit(projected, [first, second, second + 1], source);
+            self.emit(projected, [first, second, second + 1], source, false);
         }
     }
 
@@ -395,12 +456,12 @@ impl Builder<'_> {
 
     /// The rectangle of a line of which the ends are two cut vertices.
     fn rectangle(&mut self, [p, q, r, s]: [Projected; 4], first: u32, source: Source) {
-        self.emit([p, q, r], [first, first + 1, first + 1], source);
-        self.emit([p, r, s], [first, first + 1, first], source);
+        self.emit([p, q, r], [first, first + 1, first + 1], source, false);
+        self.emit([p, r, s], [first, first + 1, first], source, false);
     }
 
     #[inline(always)]
-    fn emit(&mut self, corner: [Projected; 3], corners: [u32; 3], source: Source) {
+    fn emit(&mut self, corner: [Projected; 3], corners: [u32; 3], source: Source, covers: bool) {
         let [mut x, mut y] = [corner.map(|c| c.x), corner.map(|c| c.y)];
         let Some(pixels) = self.view.pixels(range_of(x), range_of(y)) else {
             return;
@@ -420,7 +481,7 @@ impl Builder<'_> {
             corners.swap(1, 2);
             depth.swap(1, 2);
         }
-        if self.view.is_missed(x, y, pixels) {
+        if !covers && self.view.is_missed(x, y, pixels) {
             return;
         }
         let inverse_area = 1.0 / twice_area.unsigned_abs() as f32;

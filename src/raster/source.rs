@@ -21,13 +21,44 @@ pub trait Source: Sync + std::fmt::Debug {
         None
     }
 
-    /// Makes a part of at most [`PART`] primitives.
-    fn part(&self, part: usize, topology: Topology) -> Part<'_>;
-
-    /// The place in the order of submission of a primitive of a part's geometry.
-    fn place(&self, part: usize, primitive: usize) -> usize {
-        PART * part + primitive
+    /// Where each primitive of a part lies within its hull, where that is known too.
+    fn boxes(&self, _part: usize) -> Option<&Boxes> {
+        None
     }
+
+    /// Makes those of the at most [`PART`] primitives of a part that have a bit in `wanted`; others may be
+    /// left out. May take over the memory of a geometry that nobody needs any more.
+    fn part(&self, part: usize, topology: Topology, wanted: u64, spare: Geometry) -> Part<'_>;
+
+    /// The place in the order of submission of a primitive of the geometry that was made of a part for
+    /// these `wanted`.
+    fn place(&self, part: usize, wanted: u64, primitive: usize) -> usize {
+        PART * part + nth(wanted, primitive)
+    }
+}
+
+/// All primitives of a part.
+pub const ALL: u64 = u64::MAX;
+const _: () = assert!(PART == 64, "primitives of a part are told by bits");
+
+/// The number of the bit that has so many others below it.
+#[must_use]
+pub fn nth(wanted: u64, number: usize) -> usize {
+    let mut rest = wanted;
+    for _ in 0..number {
+        rest &= rest.wrapping_sub(1);
+    }
+    rest.trailing_zeros() as usize
+}
+
+/// Boxes around the primitives of a part, axis by axis: points of a primitive lie no further from the
+/// middle of its box than the halves of the box's sides. Primitives that are not there have any.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Boxes {
+    /// The middles.
+    pub middle: [[f32; PART]; 3],
+    /// Halves of the sides.
+    pub half: [[f32; PART]; 3],
 }
 
 /// Some primitives of a geometry.
@@ -44,7 +75,7 @@ impl Source for Geometry {
         self.primitive_count(topology).div_ceil(PART)
     }
 
-    fn part(&self, part: usize, topology: Topology) -> Part<'_> {
+    fn part(&self, part: usize, topology: Topology, _: u64, _: Geometry) -> Part<'_> {
         let end = (PART * (part + 1)).min(self.primitive_count(topology));
         Part {
             geometry: Cow::Borrowed(self),
@@ -52,7 +83,7 @@ impl Source for Geometry {
         }
     }
 
-    fn place(&self, _: usize, primitive: usize) -> usize {
+    fn place(&self, _: usize, _: u64, primitive: usize) -> usize {
         primitive
     }
 }
@@ -62,6 +93,22 @@ impl Geometry {
     #[must_use]
     pub fn primitive_count(&self, topology: Topology) -> usize {
         self.corners.len() / topology.corners()
+    }
+
+    /// Empties all lists.
+    pub(crate) fn clear(&mut self) {
+        let Self {
+            clip,
+            varyings,
+            vertex_ids,
+            corners,
+            flats,
+        } = self;
+        clip.clear();
+        varyings.clear();
+        vertex_ids.clear();
+        corners.clear();
+        flats.clear();
     }
 
     /// Bytes of all lists.

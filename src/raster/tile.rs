@@ -2,7 +2,7 @@
 //! between.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use fearless_simd::dispatch;
 
@@ -15,7 +15,7 @@ use super::lines::Run;
 use super::piece::Piece;
 use super::probe::Point;
 use super::reach::Cover;
-use super::setup::{Chunk, Triangle, key, vertex_ids};
+use super::setup::{Chunk, Spare, Triangle, key, vertex_ids};
 use super::view::{PixelBox, View, clamp_depth};
 use super::{Batch, Blend, Counters, Key, Samples, Skips, Work};
 use crate::math::{Vec4, index_u32};
@@ -47,12 +47,30 @@ pub(super) struct Scratch<'a> {
     /// Put back by whoever takes it.
     pub(super) candidates: Option<Box<Candidates>>,
     visits: Vec<Visit>,
-    triangles: Vec<Triangle>,
+    spare: Spare,
     /// What the tile must look at.
     pub(super) entries: Vec<Entry>,
     /// The work of the block, by batch.
     works: Works,
     skips: Skips,
+}
+
+/// Memory that waits for the next block.
+#[derive(Debug, Default)]
+pub(super) struct Scratches<'a>(Mutex<Vec<Scratch<'a>>>);
+
+impl<'a> Scratches<'a> {
+    /// Some that waits, or fresh one.
+    pub(super) fn take(&self, samples: Samples) -> Scratch<'a> {
+        let waiting = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        waiting.unwrap_or_else(|| Scratch::new(samples))
+    }
+
+    /// Lets memory wait.
+    pub(super) fn put(&self, scratch: Scratch<'a>) {
+        let mut waiting = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        waiting.push(scratch);
+    }
 }
 
 /// A triangle that has won a sample.
@@ -103,7 +121,7 @@ impl Works {
 }
 
 impl Scratch<'_> {
-    pub(super) fn new(samples: Samples) -> Self {
+    fn new(samples: Samples) -> Self {
         let count = (BLOCK_SIDE * BLOCK_SIDE) as usize * samples.count();
         Self {
             owner: vec![NOBODY; count],
@@ -113,7 +131,7 @@ impl Scratch<'_> {
             items: Items::default(),
             candidates: None,
             visits: Vec::new(),
-            triangles: Vec::new(),
+            spare: Spare::default(),
             entries: Vec::new(),
             works: Works::default(),
             skips: Skips::default(),
@@ -245,17 +263,19 @@ impl<'t, 'a> Tile<'t, 'a> {
     /// The triangles of a visit, and which of them matter.
     fn look_up(&mut self, visit: Visit) -> (Arc<Chunk<'a>>, Choice<'t>) {
         let piece = &self.scene.pieces[visit.piece as usize];
+        let scene = self.scene;
         let cover = Cover {
             pixels: self.pixels,
             origin: self.origin,
             depth: self.depth,
+            alone: piece.is_small(scene.batches),
         };
-        let exact = self.scene.counters == Counters::Exact;
-        let kernel = self.scene.batches[piece.batch as usize].kernel;
-        let hides = !exact && self.scene.samples == Samples::One && kernel.moves_nearer() == 0.0;
+        let exact = scene.counters == Counters::Exact;
+        let kernel = scene.batches[piece.batch as usize].kernel;
+        let hides = !exact && scene.samples == Samples::One && kernel.moves_nearer() == 0.0;
         let cover = hides.then_some(&cover);
-        let triangles = &mut self.scratch.triangles;
-        let chunk = piece.chunk(&self.scene.view, self.scene.batches, cover, triangles);
+        let spare = &mut self.scratch.spare;
+        let chunk = piece.chunk(&scene.view, scene.batches, cover, spare);
         let [first, end] = visit.entries.map(|place| place as usize);
         let entries = &self.entries[first..end];
         let entries = piece.sorted.is_some().then_some(entries);
@@ -285,10 +305,12 @@ impl<'t, 'a> Tile<'t, 'a> {
                 kernel.cover(self, &chunk, choice);
                 if self.scratch.winners.len() > winners {
                     self.scratch.chunks.push(chunk);
+                } else {
+                    self.scratch.spare.take(chunk);
                 }
             }
             if whole {
-                piece.done();
+                piece.done(&mut self.scratch.spare);
             }
         }
         self.scratch.visits = visits;
@@ -311,7 +333,10 @@ impl<'t, 'a> Tile<'t, 'a> {
         self.scratch.winners = winners;
         self.scratch.winners.clear();
         self.scratch.chunks = chunks;
-        self.scratch.chunks.clear();
+        let Scratch { chunks, spare, .. } = &mut *self.scratch;
+        for chunk in chunks.drain(..) {
+            spare.take(chunk);
+        }
     }
 
     /// Waits for the lines of some entries all at once: they lie far apart.
@@ -351,10 +376,11 @@ impl<'t, 'a> Tile<'t, 'a> {
                 };
                 kernel.blend(self, chunk, choice);
             } else {
-                let triangles = &mut self.scratch.triangles;
-                let chunk = piece.chunk(&scene.view, scene.batches, None, triangles);
+                let spare = &mut self.scratch.spare;
+                let chunk = piece.chunk(&scene.view, scene.batches, None, spare);
                 kernel.blend(self, &chunk, Choice::ALL);
-                piece.done();
+                drop(chunk);
+                piece.done(&mut self.scratch.spare);
             }
             first = end;
         }
@@ -474,7 +500,8 @@ impl<'t, 'a> Tile<'t, 'a> {
                         let place = |chunk: &Chunk<'_>, triangle: &Triangle| {
                             let source = batch(chunk).geometry;
                             let primitive = triangle.primitive as usize;
-                            (chunk.batch, source.place(chunk.part as usize, primitive))
+                            let part = chunk.part as usize;
+                            (chunk.batch, source.place(part, chunk.wanted, primitive))
                         };
                         place(chunk, ours).cmp(&place(their_chunk, their))
                     })

@@ -73,6 +73,13 @@ impl View {
         self.half
     }
 
+    /// Half the target in pixels.
+    #[inline(always)]
+    pub(super) fn half_pixels(&self) -> [f32; 2] {
+        let half = |axis: usize| (self.shown.last[axis] + 1) as f32 * 0.5;
+        [half(0), half(1)]
+    }
+
     /// The pixels with a sample within a box of sub-pixels, its right and lower rim excluded, since
     /// no triangle covers a sample there.
     #[inline(always)]
@@ -151,6 +158,13 @@ pub(super) struct PixelBox {
 }
 
 impl PixelBox {
+    /// How many pixels there are.
+    #[inline(always)]
+    pub(super) fn count(self) -> usize {
+        let side = |axis: usize| (self.last[axis] - self.first[axis] + 1).unsigned_abs() as usize;
+        side(0) * side(1)
+    }
+
     /// The pixels of both.
     #[inline(always)]
     pub(super) fn meet(self, other: Self) -> Option<Self> {

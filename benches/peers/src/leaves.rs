@@ -1,6 +1,6 @@
 //! The program that draws leaves and impostors: quads of one normal, lit as the peers light them.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, u32x8};
 use spinney::gpu::{
     Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, PixelLanes, Program,
     Topology, Transform, VertexCall, Words, Wrap,
@@ -107,7 +107,7 @@ impl Program for LeafQuads {
         let placements = storage(INSTANCE_SLOT);
         let place = Mat4::from_cols_array(&placements.f32s(16 * call.instance as usize));
         let surface = Surface::read(storage(SURFACE_SLOT));
-        let (vertices, tiles) = (call.bindings.vertices(), storage(TILE_SLOT));
+        let (vertices, tiles) = (call.vertices, storage(TILE_SLOT));
         let to_light = towards_light();
         let quads = call.corners.len() / 4;
         let textured = self.texturing != Texturing::None;
@@ -133,8 +133,9 @@ impl Program for LeafQuads {
             tiles,
         };
         dispatch!(call.instructions.level(), simd => {
-            for quads in call.corners.as_chunks::<4>().0.chunks(LANES) {
-                stage.emit(simd, quads, geometry);
+            let places = call.places.as_chunks::<4>().0.chunks(LANES);
+            for (quads, places) in call.corners.as_chunks::<4>().0.chunks(LANES).zip(places) {
+                stage.emit(simd, quads, places, geometry);
             }
         });
     }
@@ -178,19 +179,37 @@ struct Stage<'a> {
 impl Stage<'_> {
     /// Emits up to [`LANES`] quads.
     #[inline(always)]
-    fn emit<S: Simd>(&self, simd: S, quads: &[[u32; 4]], geometry: &mut Geometry) {
+    fn emit<S: Simd>(
+        &self,
+        simd: S,
+        quads: &[[u32; 4]],
+        places: &[[u32; 4]],
+        geometry: &mut Geometry,
+    ) {
         let texturing = self.program.texturing;
         let mut world = [Vec3Lanes::splat(simd, Vec3::ZERO); 4];
         let mut clip = [[[0.0_f32; LANES]; 4]; 4];
-        for role in 0..4 {
-            let mut at = [[0.0_f32; LANES]; 3];
-            for (lane, corners) in quads.iter().enumerate().take(LANES) {
-                let [x, y, z] = self.vertices.f32s(3 * corners[role] as usize);
-                at[0][lane] = x;
-                at[1][lane] = y;
-                at[2][lane] = z;
+        let mut at = [[[0.0_f32; LANES]; 3]; 4];
+        for (lane, places) in places.iter().enumerate().take(LANES) {
+            let first = places[0];
+            if *places == [first, first + 1, first + 2, first + 3] {
+                let all = self.vertices.f32s::<12>(3 * first as usize);
+                for role in 0..4 {
+                    at[role][0][lane] = all[3 * role];
+                    at[role][1][lane] = all[3 * role + 1];
+                    at[role][2][lane] = all[3 * role + 2];
+                }
+                continue;
             }
-            world[role] = Vec3Lanes::new(simd, &at).transformed(simd, &self.place);
+            for role in 0..4 {
+                let [x, y, z] = self.vertices.f32s(3 * places[role] as usize);
+                at[role][0][lane] = x;
+                at[role][1][lane] = y;
+                at[role][2][lane] = z;
+            }
+        }
+        for role in 0..4 {
+            world[role] = Vec3Lanes::new(simd, &at[role]).transformed(simd, &self.place);
             let projected = world[role].projected(simd, &self.clip_from_world);
             for (axis, values) in projected.into_iter().enumerate() {
                 values.store_slice(&mut clip[role][axis]);
@@ -201,22 +220,25 @@ impl Stage<'_> {
         let mut toward = [0.0_f32; LANES];
         let towards = normal.dot(Vec3Lanes::splat(simd, self.to_light));
         towards.store_slice(&mut toward);
-        for (lane, corners) in quads.iter().enumerate().take(LANES) {
-            let first = u32::try_from(geometry.clip.len()).expect("a call has few quads");
-            let at = |role: usize| {
+        let count = geometry.clip.len();
+        let first = u32::try_from(count).expect("a call has few quads");
+        let more = 4 * quads.len().min(LANES);
+        geometry.clip.resize(count + more, Vec4::ZERO);
+        let quads_out = geometry.clip[count..].as_chunks_mut::<4>().0;
+        for (lane, quad) in quads_out.iter_mut().enumerate().take(LANES) {
+            for role in 0..4 {
                 let [x, y, z, w] = &clip[role];
-                Vec4::new(x[lane], y[lane], z[lane], w[lane])
-            };
-            geometry.clip.extend([at(0), at(1), at(2), at(3)]);
-            geometry.vertex_ids.extend(*corners);
-            geometry
-                .corners
-                .extend([first, first + 1, first + 2, first + 3]);
+                quad[role] = Vec4::new(x[lane], y[lane], z[lane], w[lane]);
+            }
+        }
+        geometry.vertex_ids.extend_from_slice(quads.as_flattened());
+        geometry.corners.extend(first..first + more as u32);
+        for (lane, corners) in quads.iter().enumerate().take(LANES) {
             if texturing != Texturing::None {
-                let corners = self.surface.corners;
+                let [a, b, c, d] = self.surface.corners;
                 geometry
                     .varyings
-                    .extend(corners.iter().flat_map(|corner| corner.to_array()));
+                    .extend_from_slice(&[a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y]);
             }
             let light = [toward[lane], -toward[lane]];
             let light = light.map(|toward| AMBIENT + DIFFUSE * toward.max(0.0));
@@ -334,9 +356,13 @@ impl<const TILES: bool, const TESTED: bool> Fragment for Textured<'_, TILES, TES
             let across = [across[0] / columns, across[1] / rows];
             let down = [down[0] / columns, down[1] / rows];
             let levels = self.texture.level_for_lanes(simd, across, down);
-            let mut rims = [0.0_f32; 8];
-            for (lane, rim) in rims.iter_mut().enumerate() {
-                *rim = 0.5 / (tile_side / (1_u32 << (levels[lane] & 31)) as f32).max(1.0);
+            let first = levels[wanted.trailing_zeros() as usize % 8];
+            let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
+            let mut rims = [0.5 / (tile_side / (1_u32 << (first & 31)) as f32).max(1.0); 8];
+            if same & wanted != wanted {
+                for (lane, rim) in rims.iter_mut().enumerate() {
+                    *rim = 0.5 / (tile_side / (1_u32 << (levels[lane] & 31)) as f32).max(1.0);
+                }
             }
             let rim = f32x8::from_slice(simd, &rims);
             let last = number(1.0) - rim;
