@@ -3,6 +3,8 @@
 //! Texture coordinates run from (0, 0), the top-left corner of the first texel, to (1, 1), the
 //! bottom-right corner of the last; texel `i` of `n` has its centre at `(i + 0.5) / n`.
 
+use std::ops::Range;
+
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdInt, SimdMask, f32x8, i32x8, u32x8};
 
 use super::{TextureFormat, colour};
@@ -57,18 +59,20 @@ impl MipMap {
             });
         let level = |(bytes, level): (Vec<u8>, u32)| {
             let (width, height) = size_of_level(width, height, level);
-            let alphas = match format {
-                TextureFormat::Srgb8 | TextureFormat::Linear8 => {
-                    bytes.iter().skip(3).step_by(4).copied().collect()
-                }
-                TextureFormat::Float32 => Vec::new(),
-            };
-            Level {
+            let mut level = Level {
                 width,
                 height,
                 bytes,
-                alphas,
+                squares: Vec::new(),
+            };
+            match format {
+                TextureFormat::Srgb8 | TextureFormat::Linear8 => {
+                    level.squares = vec![0; (width as usize + 1) * (height as usize + 1)];
+                    level.renew_squares(0..height as usize);
+                }
+                TextureFormat::Float32 => {}
             }
+            level
         };
         let (decoding, divisor) = match format {
             TextureFormat::Srgb8 => (colour::decoding(), Vec4::new(1.0, 1.0, 1.0, 255.0)),
@@ -125,14 +129,10 @@ impl MipMap {
             return false;
         };
         place.copy_from_slice(bytes);
-        // Of floats there are no alphas apart.
-        let texels = range.start / 4..range.end.div_ceil(4);
-        for (texel, alpha) in (0..)
-            .zip(&mut level.alphas[..])
-            .skip(texels.start)
-            .take(texels.len())
-        {
-            *alpha = level.bytes[4 * texel + 3];
+        // Of floats there are no squares.
+        if !level.squares.is_empty() {
+            let row = 4 * level.width as usize;
+            level.renew_squares(range.start / row..range.end.div_ceil(row));
         }
         true
     }
@@ -189,7 +189,7 @@ impl MipMap {
         }
         let level = self.level(level);
         let square = level.square(uv, wrap);
-        let read = |at: usize| f32::from(level.alphas[at]);
+        let read = |at: usize| f32::from(level.bytes[4 * at + 3]);
         let [a, b, c, d] = square.at;
         let (a, b, c, d) = (read(a), read(b), read(c), read(d));
         let above = a + (b - a) * square.right;
@@ -266,14 +266,15 @@ impl MipMap {
             return f32x8::from_slice(simd, &alphas);
         }
         let level = self.level(first);
-        let ([left, right], across) = clamped_lanes(simd, u, level.width);
-        let ([above, below], down) = clamped_lanes(simd, v, level.height);
-        let width = i32x8::splat(simd, level.width.cast_signed());
-        let (above, below) = (above * width, below * width);
-        let a = level.alphas_at(simd, above + left);
-        let b = level.alphas_at(simd, above + right);
-        let c = level.alphas_at(simd, below + left);
-        let d = level.alphas_at(simd, below + right);
+        let (column, across) = clamped_lanes(simd, u, level.width);
+        let (row, down) = clamped_lanes(simd, v, level.height);
+        let width = i32x8::splat(simd, level.width.cast_signed() + 1);
+        let squares = level.squares_at(simd, row * width + column);
+        let byte = i32x8::splat(simd, 255);
+        let a: f32x8<S> = (squares & byte).to_float();
+        let b: f32x8<S> = ((squares >> 8) & byte).to_float();
+        let c: f32x8<S> = ((squares >> 16) & byte).to_float();
+        let d: f32x8<S> = ((squares >> 24) & byte).to_float();
         let above = a + (b - a) * across;
         let below = c + (d - c) * across;
         (above + (below - above) * down) / f32x8::splat(simd, 255.0)
@@ -340,22 +341,53 @@ struct Level {
     width: u32,
     height: u32,
     bytes: Vec<u8>,
-    /// The alphas among four bytes a texel once more: close together, since alpha is mostly read alone.
-    alphas: Vec<u8>,
+    /// The alphas among four bytes a texel once more: all four that a read takes together, since alpha is mostly read
+    /// alone. Square (i, j) of one more a row and a column than there are texels is that of texels (i − 1, j − 1)
+    /// to (i, j), kept within the level; its bytes are top-left, top-right, bottom-left, bottom-right.
+    squares: Vec<u32>,
+}
+
+/// A square of [`Level::squares`].
+fn square(size: [u32; 2], bytes: &[u8], place: [usize; 2]) -> u32 {
+    let [width, height] = size.map(|side| side as usize);
+    let before = place.map(|at| at.saturating_sub(1));
+    let behind = [place[0].min(width - 1), place[1].min(height - 1)];
+    let alpha = |x: usize, y: usize| bytes[4 * (y * width + x) + 3];
+    u32::from_le_bytes([
+        alpha(before[0], before[1]),
+        alpha(behind[0], before[1]),
+        alpha(before[0], behind[1]),
+        alpha(behind[0], behind[1]),
+    ])
 }
 
 impl Level {
-    /// The alphas of texels by their numbers, from 0 to 255.
+    /// Squares by their numbers.
     #[inline(always)]
-    fn alphas_at<S: Simd>(&self, simd: S, texels: i32x8<S>) -> f32x8<S> {
-        let mut numbers = [0; 8];
-        texels.store_slice(&mut numbers);
-        let mut alphas = [0; 8];
+    fn squares_at<S: Simd>(&self, simd: S, numbers: i32x8<S>) -> i32x8<S> {
+        let mut places = [0; 8];
+        numbers.store_slice(&mut places);
+        let mut squares = [0; 8];
         for lane in 0..8 {
-            let alpha = self.alphas.get(numbers[lane].unsigned_abs() as usize);
-            alphas[lane] = i32::from(alpha.copied().unwrap_or(0));
+            let square = self.squares.get(places[lane].unsigned_abs() as usize);
+            squares[lane] = square.copied().unwrap_or(0).cast_signed();
         }
-        i32x8::from_slice(simd, &alphas).to_float()
+        i32x8::from_slice(simd, &squares)
+    }
+
+    /// The squares of rows of texels of which some alpha has changed.
+    fn renew_squares(&mut self, rows: Range<usize>) {
+        if rows.is_empty() {
+            return;
+        }
+        let (size, columns) = ([self.width, self.height], self.width as usize + 1);
+        for row in rows.start..=rows.end {
+            let first = row * columns;
+            let squares = &mut self.squares[first..first + columns];
+            for (column, to) in squares.iter_mut().enumerate() {
+                *to = square(size, &self.bytes, [column, row]);
+            }
+        }
     }
 
     #[inline(always)]
@@ -415,9 +447,10 @@ fn clamped(position: f32, size: u32) -> (u32, u32, f32) {
     (within(floor), within(floor + 1), rest)
 }
 
-/// [`clamped`] of eight coordinates.
+/// [`clamped`] of eight coordinates: the column or row of the square, and how far from its first texel to
+/// its second.
 #[inline(always)]
-fn clamped_lanes<S: Simd>(simd: S, coordinates: f32x8<S>, size: u32) -> ([i32x8<S>; 2], f32x8<S>) {
+fn clamped_lanes<S: Simd>(simd: S, coordinates: f32x8<S>, size: u32) -> (i32x8<S>, f32x8<S>) {
     let position = coordinates * f32x8::splat(simd, size as f32) - f32x8::splat(simd, 0.5);
     let before = f32x8::splat(simd, -1.0);
     let position = position.simd_gt(before).select(position, before);
@@ -431,9 +464,8 @@ fn clamped_lanes<S: Simd>(simd: S, coordinates: f32x8<S>, size: u32) -> ([i32x8<
     let nearest = bits - i32x8::splat(simd, ROUND.to_bits().cast_signed());
     let floor = nearest - above.select(one, zero);
     let floored: f32x8<S> = floor.to_float();
-    let last = i32x8::splat(simd, size.cast_signed() - 1);
-    let texels = [floor.min(last).max(zero), (floor + one).min(last).max(zero)];
-    (texels, position - floored)
+    let last = i32x8::splat(simd, size.cast_signed());
+    ((floor + one).min(last).max(zero), position - floored)
 }
 
 /// 1.5 · 2²³: adding it leaves no bits for a fraction, and the integer in the last bits.
@@ -525,6 +557,30 @@ mod tests {
                 let whole = image.sample(uv, level, Wrap::Repeat).w;
                 let alone = image.alpha(uv, level, Wrap::Repeat);
                 assert_eq!(whole.to_bits(), alone.to_bits());
+            }
+        }
+    }
+
+    #[test]
+    fn eight_alphas_have_the_bits_of_each_alone() {
+        use fearless_simd::{Level, dispatch};
+
+        let mut image = image();
+        assert!(image.write_level(0, 19, &[77, 1, 2, 3, 200]));
+        assert!(image.write_level(1, 0, &[9; 8]));
+        let at: [f32; 8] = [-3.0, -0.001, 0.1, 0.37, 0.5, 0.93, 1.001, f32::NAN];
+        for (v, level) in at.into_iter().flat_map(|v| [(v, 0), (v, 1), (v, 2)]) {
+            for target in [Level::new(), Level::fallback()] {
+                let found: [f32; 8] = dispatch!(target, simd => {
+                    let places = [f32x8::from_slice(simd, &at), f32x8::splat(simd, v)];
+                    let levels = u32x8::splat(simd, level);
+                    let alphas = image.alpha_lanes(simd, places, levels, Wrap::Clamp, 255);
+                    let mut found = [0.0; 8];
+                    alphas.store_slice(&mut found);
+                    found
+                });
+                let alone = at.map(|u| image.alpha(Vec2::new(u, v), level, Wrap::Clamp));
+                assert_eq!(found.map(f32::to_bits), alone.map(f32::to_bits));
             }
         }
     }
