@@ -132,9 +132,15 @@ impl View {
 }
 
 /// Pixels that a box is taken to be wider on each side.
-const MARGIN: f32 = PIXEL_ERROR + SNAP as f32 / SUBPIXELS as f32;
+const MARGIN: f32 = PIXEL_ERROR + SNAPPED;
 
-const LEAST_W_ROUNDED: f32 = 2.0 * LEAST_W as f32;
+/// More pixels than snapping moves a vertex: [two sub-pixels](super::reach::SNAP).
+const SNAPPED: f32 = 1.0 / 128.0;
+const _: () = assert!(SNAP <= 2.0 && SUBPIXELS == 256, "a 128th of a pixel");
+
+/// A little more than [`LEAST_W`].
+const LEAST_W_ROUNDED: f32 = 2e-6;
+const _: () = assert!(LEAST_W <= 1e-6, "half of it");
 
 /// The matrix of a hull, row by row, in all lanes.
 struct Rows<S: Simd> {

@@ -183,12 +183,13 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
         while start <= x1 {
             let x = start.min(last_start);
             let wanted = columns(x, start, x1);
-            let at = self.edges.at_pixel(x, y0);
+            let [top, bottom] = self.rows(x, [y0, y1], right, down);
+            let at = self.edges.at_pixel(x, top);
             let mut first = along[0] + i32x8::splat(simd, narrow(at[0] + bias[0]));
             let mut second = along[1] + i32x8::splat(simd, narrow(at[1]));
             let mut third = along[2] + i32x8::splat(simd, narrow(at[2]));
-            let mut index = self.tile.index(x, y0);
-            for _ in y0..=y1 {
+            let mut index = self.tile.index(x, top);
+            for _ in top..=bottom {
                 let outside = first | (second + biases[0]) | (third + biases[1]);
                 let covered = outside.simd_ge(zero).to_bitmask() & wanted;
                 if covered != 0 {
@@ -203,6 +204,36 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
         }
         if self.tests_alpha {
             self.decide(simd);
+        }
+    }
+
+    /// The rows, of some, outside of which no edge function is positive in all lanes from a column on.
+    #[inline(always)]
+    fn rows(&self, x: i32, [y0, y1]: [i32; 2], right: [i32; 3], down: [i32; 3]) -> [i32; 2] {
+        /// Of fewer it costs less to look at each.
+        const MANY_ROWS: i32 = 6;
+        let [mut top, mut bottom] = [y0, y1];
+        if y1 - y0 < MANY_ROWS {
+            return [top, bottom];
+        }
+        let at = self.edges.at_pixel(x, y0);
+        for edge in 0..3 {
+            let first = narrow(at[edge] + self.edges.bias[edge]);
+            let most = first + (right[edge] * (LANE_COUNT - 1)).max(0);
+            let down = down[edge];
+            if most < 0 && down > 0 {
+                top = top.max(y0 + (-1 - most) / down + 1);
+            } else if most < 0 {
+                return [y0, y0 - 1];
+            } else if down < 0 {
+                bottom = bottom.min(y0 + most / -down);
+            }
+        }
+        // An empty range begins within the block, too.
+        if top <= bottom {
+            [top, bottom]
+        } else {
+            [y0, y0 - 1]
         }
     }
 

@@ -94,6 +94,7 @@ mod reach;
 mod setup;
 mod shade;
 mod source;
+mod squares;
 mod texel;
 mod texture;
 mod tile;

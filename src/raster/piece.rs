@@ -5,7 +5,8 @@
 //! ```
 //!
 //! A piece that is known to show on a few tiles alone is set up by the first of them to which it is not
-//! hidden, and forgotten after the last. Others are set up at once and their triangles sorted into tiles,
+//! hidden, and forgotten after the last. If its primitives are small and their boxes are known, each tile
+//! sets up for itself what it sees of them: that is less than all. Others are set up at once and their triangles sorted into tiles,
 //! as long as there is room for them.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};

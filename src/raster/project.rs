@@ -2,7 +2,7 @@
 //!
 //! Lanes compute what [`View::project`] does, operation by operation.
 
-use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdInt, SimdMask, f64x8, i32x8, u64x8};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, f64x8, i32x8, u64x8};
 
 use super::Geometry;
 use super::clip::LEAST_W;
@@ -192,12 +192,11 @@ impl<const CORNERS: usize> Projection<CORNERS> {
             ];
             let some = !area.simd_eq(zero).to_bitmask() & self.small;
             let (mut a, mut b, mut c) = (first[0], second[0], shared[0]);
-            for pixel in 0..4 {
+            for (pixel, there) in there.into_iter().enumerate() {
                 let outside = ((a ^ turned) + beyond[0])
                     | ((b ^ turned) + beyond[1])
                     | ((c ^ turned) + beyond[2]);
-                self.covered[triangle][pixel] =
-                    outside.simd_ge(zero).to_bitmask() & some & there[pixel];
+                self.covered[triangle][pixel] = outside.simd_ge(zero).to_bitmask() & some & there;
                 // To the right, to the left and downwards, to the right.
                 if pixel == 1 {
                     a += first[2] - first[1];

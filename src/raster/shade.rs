@@ -32,6 +32,7 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
         let attributes = Attributes::of::<F>(triangle, &edges, chunk);
         tile.keys.push(key(batch, triangle));
         let shown = index_u32(tile.keys.len());
+        let (mut visible, mut shaded) = (0, 0);
         for place in range {
             let item = tile.scratch.items.list[place];
             let [x, y] = tile.pixel_at(item.index());
@@ -48,14 +49,16 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
                     tile.colour[index] = colour;
                     tile.shown[index] = shown;
                     tile.scratch.owner[index] = NOBODY;
-                    let first_time = !tile.scratch.drawn[index];
-                    tile.work(number).visible += u64::from(first_time);
+                    visible += u64::from(!tile.scratch.drawn[index]);
                     tile.scratch.drawn[index] = true;
                 }
             }
-            if exact {
-                tile.work(number).texels += kernel.texels_shaded();
-            }
+            shaded += 1;
+        }
+        let work = tile.work(number);
+        work.visible += visible;
+        if exact {
+            work.texels += shaded * kernel.texels_shaded();
         }
     }
 }

@@ -3,10 +3,9 @@
 //! Texture coordinates run from (0, 0), the top-left corner of the first texel, to (1, 1), the
 //! bottom-right corner of the last; texel `i` of `n` has its centre at `(i + 0.5) / n`.
 
-use std::ops::Range;
-
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdInt, SimdMask, f32x8, i32x8, u32x8};
 
+use super::squares::Squares;
 use super::{TextureFormat, colour};
 use crate::math::{Vec2, Vec4};
 
@@ -59,20 +58,18 @@ impl MipMap {
             });
         let level = |(bytes, level): (Vec<u8>, u32)| {
             let (width, height) = size_of_level(width, height, level);
-            let mut level = Level {
+            let squares = match format {
+                TextureFormat::Srgb8 | TextureFormat::Linear8 => {
+                    Some(Squares::new([width, height], &bytes))
+                }
+                TextureFormat::Float32 => None,
+            };
+            Level {
                 width,
                 height,
                 bytes,
-                squares: Vec::new(),
-            };
-            match format {
-                TextureFormat::Srgb8 | TextureFormat::Linear8 => {
-                    level.squares = vec![0; (width as usize + 1) * (height as usize + 1)];
-                    level.renew_squares(0..height as usize);
-                }
-                TextureFormat::Float32 => {}
+                squares,
             }
-            level
         };
         let (decoding, divisor) = match format {
             TextureFormat::Srgb8 => (colour::decoding(), Vec4::new(1.0, 1.0, 1.0, 255.0)),
@@ -129,10 +126,9 @@ impl MipMap {
             return false;
         };
         place.copy_from_slice(bytes);
-        // Of floats there are no squares.
-        if !level.squares.is_empty() {
-            let row = 4 * level.width as usize;
-            level.renew_squares(range.start / row..range.end.div_ceil(row));
+        let row = 4 * level.width as usize;
+        if let Some(squares) = &mut level.squares {
+            squares.renew(&level.bytes, range.start / row..range.end.div_ceil(row));
         }
         true
     }
@@ -254,8 +250,10 @@ impl MipMap {
     ) -> f32x8<S> {
         let first = levels[wanted.trailing_zeros() as usize % 8];
         let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-        let blends = self.format != TextureFormat::Float32;
-        if wrap == Wrap::Repeat || same & wanted != wanted || !blends {
+        let level = self.level(first);
+        let squares = level.squares.as_ref();
+        let squares = squares.filter(|_| wrap == Wrap::Clamp && same & wanted == wanted);
+        let Some(squares) = squares else {
             let mut alphas = [0.0; 8];
             let mut rest = wanted;
             while rest != 0 {
@@ -264,12 +262,10 @@ impl MipMap {
                 alphas[lane] = self.alpha(Vec2::new(u[lane], v[lane]), levels[lane], wrap);
             }
             return f32x8::from_slice(simd, &alphas);
-        }
-        let level = self.level(first);
+        };
         let (column, across) = clamped_lanes(simd, u, level.width);
         let (row, down) = clamped_lanes(simd, v, level.height);
-        let width = i32x8::splat(simd, level.width.cast_signed() + 1);
-        let squares = level.squares_at(simd, row * width + column);
+        let squares = squares.at(simd, column, row);
         let byte = i32x8::splat(simd, 255);
         let a: f32x8<S> = (squares & byte).to_float();
         let b: f32x8<S> = ((squares >> 8) & byte).to_float();
@@ -341,55 +337,11 @@ struct Level {
     width: u32,
     height: u32,
     bytes: Vec<u8>,
-    /// The alphas among four bytes a texel once more: all four that a read takes together, since alpha is mostly read
-    /// alone. Square (i, j) of one more a row and a column than there are texels is that of texels (i − 1, j − 1)
-    /// to (i, j), kept within the level; its bytes are top-left, top-right, bottom-left, bottom-right.
-    squares: Vec<u32>,
-}
-
-/// A square of [`Level::squares`].
-fn square(size: [u32; 2], bytes: &[u8], place: [usize; 2]) -> u32 {
-    let [width, height] = size.map(|side| side as usize);
-    let before = place.map(|at| at.saturating_sub(1));
-    let behind = [place[0].min(width - 1), place[1].min(height - 1)];
-    let alpha = |x: usize, y: usize| bytes[4 * (y * width + x) + 3];
-    u32::from_le_bytes([
-        alpha(before[0], before[1]),
-        alpha(behind[0], before[1]),
-        alpha(before[0], behind[1]),
-        alpha(behind[0], behind[1]),
-    ])
+    /// The alphas among four bytes a texel once more.
+    squares: Option<Squares>,
 }
 
 impl Level {
-    /// Squares by their numbers.
-    #[inline(always)]
-    fn squares_at<S: Simd>(&self, simd: S, numbers: i32x8<S>) -> i32x8<S> {
-        let mut places = [0; 8];
-        numbers.store_slice(&mut places);
-        let mut squares = [0; 8];
-        for lane in 0..8 {
-            let square = self.squares.get(places[lane].unsigned_abs() as usize);
-            squares[lane] = square.copied().unwrap_or(0).cast_signed();
-        }
-        i32x8::from_slice(simd, &squares)
-    }
-
-    /// The squares of rows of texels of which some alpha has changed.
-    fn renew_squares(&mut self, rows: Range<usize>) {
-        if rows.is_empty() {
-            return;
-        }
-        let (size, columns) = ([self.width, self.height], self.width as usize + 1);
-        for row in rows.start..=rows.end {
-            let first = row * columns;
-            let squares = &mut self.squares[first..first + columns];
-            for (column, to) in squares.iter_mut().enumerate() {
-                *to = square(size, &self.bytes, [column, row]);
-            }
-        }
-    }
-
     #[inline(always)]
     fn square(&self, uv: Vec2, wrap: Wrap) -> Square {
         let (left, right, across) = neighbours(uv.x, self.width, wrap);
