@@ -88,7 +88,7 @@ pub fn render_on(
     };
     let bins = Bins::new(grid, &scene.pieces);
     let (ready, columns, blocks) = target.parts();
-    let scratches = Scratches::default();
+    let scratches = Scratches::new();
     let works: Vec<(Vec<(u32, Work)>, Skips)> = blocks
         .par_iter_mut()
         .with_max_len(1)

@@ -55,21 +55,33 @@ pub(super) struct Scratch<'a> {
     skips: Skips,
 }
 
-/// Memory that waits for the next block.
-#[derive(Debug, Default)]
-pub(super) struct Scratches<'a>(Mutex<Vec<Scratch<'a>>>);
+/// Memory that waits for the next block, of each thread: what another one has used lies far from it.
+#[derive(Debug)]
+pub(super) struct Scratches<'a>(Vec<Mutex<Option<Scratch<'a>>>>);
 
 impl<'a> Scratches<'a> {
-    /// Some that waits, or fresh one.
+    /// For the threads of the pool in which this is called.
+    pub(super) fn new() -> Self {
+        let threads = rayon::current_num_threads().max(1);
+        Self((0..threads).map(|_| Mutex::new(None)).collect())
+    }
+
+    /// What waits for this thread, or fresh memory.
     pub(super) fn take(&self, samples: Samples) -> Scratch<'a> {
-        let waiting = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let waiting = self.place().lock();
+        let waiting = waiting.unwrap_or_else(PoisonError::into_inner).take();
         waiting.unwrap_or_else(|| Scratch::new(samples))
     }
 
-    /// Lets memory wait.
+    /// Lets memory wait for this thread.
     pub(super) fn put(&self, scratch: Scratch<'a>) {
-        let mut waiting = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        waiting.push(scratch);
+        let mut waiting = self.place().lock().unwrap_or_else(PoisonError::into_inner);
+        *waiting = Some(scratch);
+    }
+
+    fn place(&self) -> &Mutex<Option<Scratch<'a>>> {
+        let thread = rayon::current_thread_index().unwrap_or(0);
+        &self.0[thread % self.0.len()]
     }
 }
 
