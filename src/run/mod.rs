@@ -48,7 +48,7 @@ pub use progress::{Progress, Silent};
 pub use session::{Owner, Session};
 pub use shard::Shard;
 pub use stand_ins::{
-    CURVE_VIEWS, CurvePoint, Leaves, StandIn, StandInCost, StandInFound, StandInLook,
+    CURVE_VIEWS, ClusterLook, CurvePoint, Leaves, StandIn, StandInCost, StandInFound, StandInLook,
     StandInOptions, ViewScale, stand_ins,
 };
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};

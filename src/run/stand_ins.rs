@@ -12,6 +12,7 @@
 //! their common planes". So what they do wrong splits into what planes do and what textures do, and
 //! each can be looked at alone.
 
+use std::cmp::Reverse;
 use std::sync::Arc;
 
 use super::RunError;
@@ -19,13 +20,14 @@ use super::options::SessionOptions;
 use super::progress::Progress;
 use super::studio::{Studio, StudioOptions};
 use super::views::{SPHERE_SHARE, Shot, directions, look_from};
-use super::world::World;
+use super::world::{World, finest_planes, with_foliage};
 use crate::gpu::Ledger;
-use crate::math::{Sphere, Vec3, det, whole_u32};
+use crate::math::{Sphere, Vec3, det, index_u32, whole_u32};
 use crate::models::{Crown, Kind, Model, ModelOptions, State};
 use crate::plant::LeafGroup;
 use crate::raster::Counters;
 use crate::scene::{CardCounts, CardOptions};
+use crate::simplify::leaves_of_cluster;
 
 /// What is looked at.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,6 +136,21 @@ pub enum StandInFound {
     Look(StandInLook),
     /// What it takes; after all its looks.
     Cost(StandInCost),
+    /// The leaves of a cluster alone.
+    Cluster(ClusterLook),
+}
+
+/// How the leaves of one cluster look.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClusterLook {
+    /// In how many planes the leaves are.
+    pub planes: u32,
+    /// Which of the clusters it is.
+    pub cluster: u32,
+    /// How many leaves it has.
+    pub leaves: u32,
+    /// The picture from the front, from as far as the second scale.
+    pub shot: Shot,
 }
 
 /// How a stand-in looks at one scale.
@@ -195,6 +212,7 @@ pub fn stand_ins<E: From<RunError>>(
     let sphere = sphere_of(crown);
     let all = asked_for(options);
     progress.begin("stand-ins", all.len() as u64);
+    show_clusters(crown, sphere, options, &mut take)?;
     let mut flat: Option<(u32, Arc<Crown>)> = None;
     for stand_in in all {
         let cards = match stand_in
@@ -228,6 +246,42 @@ pub fn stand_ins<E: From<RunError>>(
         );
         look_at(stand_in, model.as_ref(), sphere, options, &mut take)?;
         progress.step();
+    }
+    Ok(())
+}
+
+/// The two clusters with the most leaves, of as many planes as the scene's cards have at their finest
+/// level, as Figure 4 of [GSS05](crate::references) shows two of its 32.
+fn show_clusters<E: From<RunError>>(
+    crown: &Crown,
+    sphere: Sphere,
+    options: &StandInOptions,
+    take: &mut impl FnMut(StandInFound) -> Result<(), E>,
+) -> Result<(), E> {
+    let scale = options.scales.get(1).or(options.scales.first());
+    let Some(scale) = scale else {
+        return Ok(());
+    };
+    let plant = crown.plant();
+    let level = finest_planes(plant, &options.session.model.cards);
+    let mut sizes = vec![0_u32; level.planes.len()];
+    for &cluster in &level.cluster_of_site {
+        sizes[cluster as usize] += 1;
+    }
+    let mut largest: Vec<u32> = (0..index_u32(sizes.len())).collect();
+    largest.sort_by_key(|&cluster| Reverse(sizes[cluster as usize]));
+    let screen = Screen::new(options);
+    for &cluster in largest.iter().take(2) {
+        let leaves = leaves_of_cluster(plant.foliage(), &level, cluster);
+        let alone = Arc::new(with_foliage(plant, leaves));
+        let model = Kind::Full.model(&alone, options.session.model);
+        let mut camera = screen.camera(model.as_ref(), sphere, scale.before)?;
+        take(StandInFound::Cluster(ClusterLook {
+            planes: index_u32(sizes.len()),
+            cluster,
+            leaves: sizes[cluster as usize],
+            shot: camera.shot(Vec3::Z)?.0,
+        }))?;
     }
     Ok(())
 }

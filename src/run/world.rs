@@ -10,10 +10,10 @@ use super::progress::Progress;
 use crate::limits;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement, Trunk};
-use crate::plant::{Mesh, Plant};
+use crate::plant::{Foliage, Mesh, Plant};
 use crate::scene::{CardOptions, ModelName, PlantSource, Scene, Simplifier, Tree};
 use crate::simplify::{
-    CollapseSequence, LeafCollapseOptions, PlaneOptions, PlaneSolver, PruningOptions,
+    CollapseSequence, LeafCollapseOptions, PlaneLevel, PlaneOptions, PlaneSolver, PruningOptions,
     cluster_planes, collapse_leaves, flattened, leaf_sites, prune_leaves,
 };
 
@@ -162,21 +162,11 @@ impl World {
     /// The same plants at the same places with every leaf moved into the plane of its cluster, as many
     /// as the finest level of cards has; none of their leaves collapse.
     #[must_use]
-    #[expect(clippy::missing_panics_doc, reason = "no input reaches it")]
     pub fn flattened(&self, cards: &CardOptions) -> Self {
         let crown = |crown: &Arc<Crown>| {
             let plant = crown.plant();
-            let sites = leaf_sites(plant.foliage());
-            let clusters = cluster_planes(&sites, &plane_options(cards));
-            let plant = Plant::new(
-                plant.name(),
-                plant.skeleton().cloned(),
-                plant.trunk().cloned(),
-                flattened(plant.foliage(), &clusters.into()),
-            )
-            .expect("as many vertices as before, all of them finite");
-            let leaves = index_u32(plant.foliage().quad_count());
-            Arc::new(Crown::new(Arc::new(plant), untouched(leaves)))
+            let level = finest_planes(plant, cards);
+            Arc::new(with_foliage(plant, flattened(plant.foliage(), &level)))
         };
         Self {
             crowns: self.crowns.iter().map(crown).collect(),
@@ -201,14 +191,24 @@ impl World {
     }
 }
 
-/// The planes that cards stand in at their finest level.
-fn plane_options(cards: &CardOptions) -> PlaneOptions {
-    PlaneOptions {
+/// The planes that cards of a plant stand in at their finest level.
+pub(super) fn finest_planes(plant: &Plant, cards: &CardOptions) -> PlaneLevel {
+    let options = PlaneOptions {
         count: cards.levels.as_slice()[0],
         orientation_weight: cards.orientation_weight,
         seeds: cards.plane_seeds,
         solver: PlaneSolver::Jacobi,
-    }
+    };
+    cluster_planes(&leaf_sites(plant.foliage()), &options).into()
+}
+
+/// The crown of a plant with other leaves, none of which collapse.
+pub(super) fn with_foliage(plant: &Plant, foliage: Foliage) -> Crown {
+    let (skeleton, trunk) = (plant.skeleton().cloned(), plant.trunk().cloned());
+    let plant = Plant::new(plant.name(), skeleton, trunk, foliage)
+        .expect("leaves are those of a plant, where they are finite");
+    let leaves = index_u32(plant.foliage().quad_count());
+    Crown::new(Arc::new(plant), untouched(leaves))
 }
 
 fn distinct_plants(trees: &[Tree]) -> u64 {

@@ -38,7 +38,7 @@ pub use mesh::{
 };
 pub use planes::{
     LeafSite, Plane, PlaneClusters, PlaneHierarchy, PlaneLevel, PlaneOptions, PlaneSolver,
-    cluster_planes, flattened, leaf_sites,
+    cluster_planes, flattened, leaf_sites, leaves_of_cluster,
 };
 pub use pruning::{PruningOptions, hand_on_areas, prune_leaves};
 pub use published::{Erratum, PUBLISHED_ROWS, PublishedCell, PublishedRow};

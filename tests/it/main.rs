@@ -38,6 +38,7 @@ mod selftest;
 mod shards;
 mod shrinking;
 mod simplify_props;
+mod stand_ins;
 mod support;
 mod threads;
 mod traces;

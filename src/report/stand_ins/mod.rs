@@ -25,12 +25,13 @@ use self::sheet::Strip;
 use super::run::json;
 use super::{
     OutputFolder, Page, PageImage, PictureView, QualitySummary, ReportError, Section, Spread,
-    ViewQuality,
+    ViewQuality, grouped,
 };
 use crate::gpu::{Card, Ledger, Link, nanoseconds};
 use crate::math::Vec3;
 use crate::run::{
-    CURVE_VIEWS, Leaves, StandIn, StandInCost, StandInFound, StandInLook, ViewScale, directions,
+    CURVE_VIEWS, ClusterLook, Leaves, StandIn, StandInCost, StandInFound, StandInLook, ViewScale,
+    directions,
 };
 
 /// The value of `schema` in `stand-ins.json`.
@@ -64,6 +65,8 @@ pub struct StandInReport {
     pub looks: Vec<StandInQuality>,
     /// What they take.
     pub costs: Vec<StandInCost>,
+    /// The leaves of single clusters.
+    pub clusters: Vec<ClusterLook>,
     /// A strip of pictures of each stand-in for the plant's own leaves.
     strips: Vec<Strip>,
 }
@@ -100,6 +103,7 @@ impl StandInMeter {
                 header,
                 looks: Vec::new(),
                 costs: Vec::new(),
+                clusters: Vec::new(),
                 strips: Vec::new(),
             },
             references: BTreeMap::new(),
@@ -114,6 +118,7 @@ impl StandInMeter {
     pub fn add(&mut self, found: StandInFound) -> Result<(), ReportError> {
         match found {
             StandInFound::Cost(cost) => self.report.costs.push(cost),
+            StandInFound::Cluster(cluster) => self.report.clusters.push(cluster),
             StandInFound::Look(look) => self.look(look)?,
         }
         Ok(())
@@ -265,6 +270,13 @@ pub fn stand_in_json(report: &StandInReport) -> String {
             })
             .collect(),
     };
+    let cluster = |cluster: &ClusterLook| {
+        serde_json::json!({
+            "planes": cluster.planes,
+            "cluster": cluster.cluster,
+            "leaves": cluster.leaves,
+        })
+    };
     let scales: Vec<_> = header
         .scales
         .iter()
@@ -279,6 +291,7 @@ pub fn stand_in_json(report: &StandInReport) -> String {
         "height": header.height,
         "field_of_view": header.field_of_view,
         "scales": scales,
+        "clusters": report.clusters.iter().map(cluster).collect::<Vec<_>>(),
         "looks": report.looks.iter().map(look).collect::<Vec<_>>(),
         "costs": report.costs.iter().map(cost).collect::<Vec<_>>(),
     }))
@@ -309,6 +322,15 @@ pub fn write_stand_ins(folder: &OutputFolder, report: &StandInReport) -> Result<
     }
     if let Some(sheet) = sheet::stacked(&report.strips)? {
         folder.write("sheet.png", &sheet.to_small_png()?)?;
+    }
+    for cluster in &report.clusters {
+        let view = PictureView::of(cluster.shot.clone())?;
+        let png = view.picture.to_small_png()?;
+        let (number, planes) = (cluster.cluster, cluster.planes);
+        folder.write(&format!("pictures/cluster-{number}-of-{planes}.png"), &png)?;
+        let leaves = grouped(u64::from(cluster.leaves), ",");
+        let caption = format!("cluster {number} of {planes}: {leaves} leaves");
+        images.insert(0, PageImage { caption, png });
     }
     let page = stand_in_page(report, images).to_html()?;
     folder.write("report.html", page.as_bytes())

@@ -27,6 +27,32 @@ pub fn flattened(foliage: &Foliage, level: &PlaneLevel) -> Foliage {
     }
 }
 
+/// The leaves of one cluster of a level alone, in the groups that they are of; no needles.
+#[must_use]
+pub fn leaves_of_cluster(foliage: &Foliage, level: &PlaneLevel, cluster: u32) -> Foliage {
+    let mut clusters = level.cluster_of_site.iter();
+    let groups = foliage.groups.iter().map(|group| {
+        let is_sited = group.prototype.triangles_per_leaf() > 0;
+        let count = if is_sited { group.leaf_count() } else { 0 };
+        let kept = clusters.by_ref().take(count).enumerate();
+        let kept: Vec<usize> = kept
+            .filter(|(_, of)| **of == cluster)
+            .map(|(leaf, _)| leaf)
+            .collect();
+        LeafGroup {
+            positions: kept
+                .iter()
+                .flat_map(|&leaf| group.leaf(leaf).iter().copied())
+                .collect(),
+            owners: kept.iter().map(|&leaf| group.owners[leaf]).collect(),
+            ..group.clone()
+        }
+    });
+    Foliage {
+        groups: groups.collect(),
+    }
+}
+
 /// The group with its first leaves in these planes, one a leaf.
 fn in_planes<'a>(group: &LeafGroup, planes: impl Iterator<Item = &'a Plane>) -> LeafGroup {
     let mut moved = group.clone();
@@ -103,6 +129,27 @@ mod tests {
             count += 1;
         }
         assert_eq!(count, 40);
+    }
+
+    #[test]
+    fn clusters_share_the_leaves_out() {
+        let foliage = random();
+        let level = level(&foliage, 6);
+        let parts: Vec<Foliage> = (0..6)
+            .map(|cluster| leaves_of_cluster(&foliage, &level, cluster))
+            .collect();
+        let count: usize = parts.iter().map(Foliage::leaf_count).sum();
+        // All but the needles.
+        assert_eq!(count, 40);
+        let first = level.cluster_of_site[0] as usize;
+        assert_eq!(parts[first].groups[0].leaf(0), foliage.groups[0].leaf(0));
+        let last = level.cluster_of_site[39] as usize;
+        let leaves = parts[last].groups[2].leaf_count();
+        assert_eq!(
+            parts[last].groups[2].leaf(leaves - 1),
+            foliage.groups[2].leaf(9)
+        );
+        assert!(parts.iter().all(|part| part.groups[1].leaf_count() == 0));
     }
 
     #[test]

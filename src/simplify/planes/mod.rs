@@ -35,7 +35,7 @@ mod plane;
 mod site;
 
 pub use cluster::{PlaneClusters, PlaneOptions, PlaneSolver, cluster_planes};
-pub use flatten::flattened;
+pub use flatten::{flattened, leaves_of_cluster};
 pub use hierarchy::{PlaneHierarchy, PlaneLevel};
 pub use plane::Plane;
 pub use site::{LeafSite, leaf_sites};
