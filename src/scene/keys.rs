@@ -327,7 +327,7 @@ pub const KEYS: &[Key] = &[
     key("model.name", Kind::Choice(ModelName::NAMES), "", Absent::Value("\"lodf\""),
         "The level-of-detail system."),
     key("model.mode", Kind::Choice(Mode::NAMES), "",
-        Absent::Rule("lodf cluster, vdf host, full and flattened resident, impostors direct"),
+        Absent::Rule("lodf cluster, vdf host, full and flattened resident, impostors direct, billboard axial, sprites nearest, crossed fixed, octahedral hemisphere"),
         "What is resident on the device, and so what a change of detail sends."),
     key("model.detail", Kind::Choice(DetailKind::NAMES), "", Absent::Value("\"uniform\""),
         "One level for the whole foliage, or one for each cluster."),

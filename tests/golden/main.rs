@@ -28,7 +28,10 @@ macro_rules! goldens {
 }
 
 goldens! {
-    cards { impostors impostors_indirect impostors_trimmed }
+    cards {
+        billboard billboard_depth billboard_facing crossed impostors impostors_indirect
+        impostors_trimmed octahedral octahedral_sphere sprites
+    }
     digest { walk_cluster walk_slots walk_stamps yew }
     forest { hill }
     full { flattened four_samples resident }

@@ -2,6 +2,7 @@
 
 mod bus_bytes;
 mod bytes;
+mod card_rivals;
 mod cards;
 mod cli;
 mod closed_form;

@@ -288,6 +288,13 @@ contracts! {
     lodf_device: Kind::LodfDevice;
     impostors: Cards(Kind::Impostors);
     impostors_indirect: Cards(Kind::IndirectImpostors);
+    billboard_axial: Cards(Kind::AxialBillboard);
+    billboard_facing: Cards(Kind::FacingBillboard);
+    billboard_depth: Cards(Kind::DepthBillboard);
+    sprites: Cards(Kind::Sprites);
+    crossed_cards: Cards(Kind::CrossedCards);
+    octahedral_hemisphere: Cards(Kind::HemiOctahedral);
+    octahedral_sphere: Cards(Kind::Octahedral);
     trunk_full: trunk(TrunkName::Full, TrunkMode::Device);
     trunk_full_host: trunk(TrunkName::Full, TrunkMode::Host);
     trunk_lodstrips: trunk(TrunkName::LodStrips, TrunkMode::Device);

@@ -120,13 +120,13 @@ impl Rectangle {
     }
 
     /// Width and height.
-    pub(super) fn sides(&self) -> Vec2 {
+    pub(super) fn sides(self) -> Vec2 {
         self.greatest - self.least
     }
 
     /// The texture coordinate of a point: (0, 0) at the upper left corner, (1, 1) at the lower right.
     #[inline(always)]
-    pub(super) fn coordinate(&self, seen: Vec2) -> Vec2 {
+    pub(super) fn coordinate(self, seen: Vec2) -> Vec2 {
         let sides = self.sides();
         Vec2::new(
             (seen.x - self.least.x) / sides.x,
@@ -135,7 +135,7 @@ impl Rectangle {
     }
 
     /// The point at a texture coordinate.
-    pub(super) fn at(&self, coordinate: Vec2) -> Vec2 {
+    pub(super) fn at(self, coordinate: Vec2) -> Vec2 {
         let sides = self.sides();
         Vec2::new(
             self.least.x + coordinate.x * sides.x,
@@ -230,7 +230,7 @@ fn bake_on_sheets(
         let resolved = resolved.map(|((place, view), &depths)| {
             let pixel = |x: u32, y: u32| {
                 let at = (place.y + y) as usize * width as usize + (place.x + x) as usize;
-                floats(&pixels[at])
+                floats(pixels[at])
             };
             resolve(view.size, factor, depths, pixel)
         });
@@ -243,7 +243,7 @@ fn bake_on_sheets(
 }
 
 /// A pixel as it was read back: four little-endian `f32`.
-fn floats(pixel: &[u8; 16]) -> Vec4 {
+fn floats(pixel: [u8; 16]) -> Vec4 {
     let [red, green, blue, alpha] = pixel.as_chunks().0 else {
         return Vec4::ZERO;
     };

@@ -47,10 +47,10 @@ impl Eye {
     }
 
     /// The unit vector from a point to the viewer; 0 where the viewer is there.
-    pub(super) fn toward(&self, point: Vec3) -> Vec3 {
+    pub(super) fn toward(self, point: Vec3) -> Vec3 {
         match self {
             Self::At(eye) => unit(eye.as_dvec3() - point.as_dvec3()),
-            Self::Towards(toward) => *toward,
+            Self::Towards(toward) => toward,
         }
     }
 }

@@ -96,7 +96,7 @@ impl RivalCard {
 
 /// The frame of a card as it stands to a viewer. Where the viewer is right above or below what turns
 /// about its axis, or at what turns about its centre, it stands as it was baked.
-pub(super) fn turned(frame: &ViewFrame, turn: Turn, eye: &Eye) -> ViewFrame {
+pub(super) fn turned(frame: &ViewFrame, turn: Turn, eye: Eye) -> ViewFrame {
     let seen_from = eye.toward(frame.origin);
     let toward = match turn {
         Turn::Fixed => Vec3::ZERO,
@@ -111,7 +111,7 @@ pub(super) fn turned(frame: &ViewFrame, turn: Turn, eye: &Eye) -> ViewFrame {
 
 /// Of several cards the one that was baked from nearest to where the viewer is, by the angle about the
 /// vertical axis; of equals the first.
-pub(super) fn nearest(cards: &[RivalCard], eye: &Eye) -> usize {
+pub(super) fn nearest(cards: &[RivalCard], eye: Eye) -> usize {
     let mut best = (0, f32::NEG_INFINITY);
     for (number, card) in cards.iter().enumerate() {
         let seen_from = eye.toward(card.frame.origin);
@@ -175,15 +175,15 @@ mod tests {
     #[test]
     fn cards_turn_to_the_viewer() {
         let eye = Eye::At(Vec3::new(11.0, 12.0, 3.0));
-        assert_eq!(turned(&FRONT, Turn::Fixed, &eye), FRONT);
-        let axial = turned(&FRONT, Turn::Axial, &eye);
+        assert_eq!(turned(&FRONT, Turn::Fixed, eye), FRONT);
+        let axial = turned(&FRONT, Turn::Axial, eye);
         assert_eq!((axial.right, axial.up), (Vec3::NEG_Z, Vec3::Y));
-        let facing = turned(&FRONT, Turn::Facing, &eye);
+        let facing = turned(&FRONT, Turn::Facing, eye);
         assert_eq!(facing.toward, eye.toward(FRONT.origin));
         assert!(facing.right.cross(facing.up).distance(facing.toward) < 1e-6);
         let above = Eye::Towards(Vec3::Y);
-        assert_eq!(turned(&FRONT, Turn::Axial, &above), FRONT);
-        assert_eq!(turned(&FRONT, Turn::Facing, &above).right, Vec3::X);
+        assert_eq!(turned(&FRONT, Turn::Axial, above), FRONT);
+        assert_eq!(turned(&FRONT, Turn::Facing, above).right, Vec3::X);
         // What is on the card's right stays there.
         let moved = axial.direction_from(&FRONT, Vec3::X);
         assert_eq!(moved, Vec3::NEG_Z);
@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(cards.len(), 8);
         for (number, card) in cards.iter().enumerate() {
             let aside = card.frame.toward + 0.4 * card.frame.right + Vec3::Y;
-            assert_eq!(nearest(&cards, &Eye::Towards(aside.normalize())), number);
+            assert_eq!(nearest(&cards, Eye::Towards(aside.normalize())), number);
         }
         assert_eq!(card(Vec3::Z).radius(), 5.0);
         assert_eq!(card(Vec3::Z).to_bytes().len(), 4 * RivalCard::WORDS);

@@ -81,7 +81,7 @@ impl Program for RivalProgram {
             match self.0 {
                 Shape::Pictures(Turn::Nearest) | Shape::Relief(Turn::Nearest) => {
                     let cards = RivalCard::read_all(words);
-                    let number = nearest(&cards, &stage.eye);
+                    let number = nearest(&cards, stage.eye);
                     if let Some(card) = cards.get(number) {
                         stage.emit(self.0, card, number, geometry);
                     }
@@ -203,7 +203,7 @@ impl Stage {
             Shape::Relief(turn) => (turn, true),
             Shape::Blended(_) => return,
         };
-        let frame = turned(&card.frame, turn, &self.eye);
+        let frame = turned(&card.frame, turn, self.eye);
         let to_light = match turn {
             // Light falls on what is seen of the one view as if the plant had been turned with it.
             Turn::Axial | Turn::Facing => card.frame.direction_from(&frame, self.to_light),
