@@ -85,7 +85,7 @@ impl ViewFrame {
     }
 
     /// The same place seen from behind: texels stay where they are.
-    pub(super) fn from_behind(self) -> Self {
+    pub(super) fn behind(self) -> Self {
         Self {
             toward: -self.toward,
             ..self
@@ -547,7 +547,7 @@ mod tests {
         let leaves = leaves();
         let views = [
             view(FRONT, BakeSites::All),
-            view(FRONT.from_behind(), BakeSites::All),
+            view(FRONT.behind(), BakeSites::All),
             view(FRONT, BakeSites::Listed(vec![1, 2])),
             view(FRONT, BakeSites::Listed(Vec::new())),
         ];
@@ -610,7 +610,7 @@ mod tests {
         assert_eq!(rectangle.at(Vec2::new(0.0, 0.5)), Vec2::new(1.0, 2.0));
         assert!(Rectangle::around(&FRONT, std::iter::empty()).sides().x > 0.0);
         let point = Vec3::new(0.3, -4.0, 2.5);
-        let behind = FRONT.from_behind();
+        let behind = FRONT.behind();
         assert_eq!(
             behind.point(behind.seen(point), behind.offset(point)),
             point

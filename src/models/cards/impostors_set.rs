@@ -171,7 +171,7 @@ fn views(impostors: &[Impostor], options: &CardOptions) -> Vec<BakeView> {
             size,
         };
         let back = (options.sides == CardSides::Both).then(|| BakeView {
-            frame: front.frame.from_behind(),
+            frame: front.frame.behind(),
             ..front.clone()
         });
         views.push(front);

@@ -24,6 +24,7 @@ mod indirect_map;
 mod indirect_sprites;
 mod octahedral;
 mod rival_card;
+mod rival_carried;
 mod rival_program;
 mod rivals;
 mod triangles;

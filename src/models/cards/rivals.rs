@@ -20,14 +20,15 @@ use super::impostors::upload_atlas;
 use super::impostors_set::CARD_ALPHA_CUTOFF;
 use super::octahedral::{Dome, directions_around};
 use super::rival_card::{RivalCard, Turn};
+use super::rival_carried::carried;
 use super::rival_program::{CARD_SLOT, COLOUR_SLOT, NORMAL_SLOT, RivalProgram, Shape};
 use super::triangles::LeafTriangles;
-use crate::gpu::{Cause, Corners, Device, Draw, GpuError, Ledger, Queue, Step, Usage};
-use crate::math::{Aabb, Sphere, Vec2, Vec3, index_u32};
+use crate::gpu::{Cause, Corners, Device, Draw, GpuError, Key, Ledger, Queue, Step, Usage};
+use crate::math::{Aabb, DVec3, Sphere, Vec2, Vec3, index_u32};
 use crate::models::surface::filled;
 use crate::models::{
     CARD_GROUP, CardLevel, Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared,
-    State, Storage,
+    State, Storage, Viewpoint,
 };
 use crate::plant::Foliage;
 
@@ -256,6 +257,12 @@ impl Model for Rival {
 
     fn baked(&self) -> Option<&Ledger> {
         self.pictures.as_ref().ok().map(|pictures| &pictures.ledger)
+    }
+
+    fn carried(&self, key: Key, point: DVec3, from: &Viewpoint, to: &Viewpoint) -> Option<DVec3> {
+        let pictures = self.pictures.as_ref().ok()?;
+        let viewpoints = [from, to];
+        carried(&pictures.cards, self.shape, key.vertex, point, viewpoints)
     }
 }
 
