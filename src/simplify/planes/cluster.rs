@@ -410,7 +410,7 @@ fn deal_out_block(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
+    use crate::math::{Vec3, index_usize};
 
     fn site(draws: &mut Draws) -> LeafSite {
         let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
@@ -447,7 +447,7 @@ mod tests {
             let mut draws = Stream::new(8, round).draws();
             let drawn = if round % 2 == 0 { site } else { lattice_site };
             let sites: Vec<LeafSite> = (0..=round * 3).map(|_| drawn(&mut draws)).collect();
-            let count = 1 + index_u32(draws.below(20) as usize);
+            let count = 1 + index_u32(index_usize(draws.below(20)));
             let clusters = cluster_planes(&sites, &options(count, PlaneSolver::Jacobi));
             assert!(!rises(&clusters), "round {round}: {:?}", clusters.errors);
             let planes = (count as usize).min(sites.len());
