@@ -9,6 +9,7 @@ use super::leaf::{LeafProgram, LeafSource};
 use super::pyramid_pass::{CELL_SLOT, PyramidPass, TARGET_SLOT, block_count, pyramid_size};
 use super::reveal_pass::RevealPass;
 use super::select_pass::SelectPass;
+use super::shadow::ShadowMap;
 use super::trunk::MeshProgram;
 use super::{Criterion, Crown, Extent, Kind, Occlusion, State, select};
 use crate::gpu::{
@@ -28,6 +29,7 @@ pub struct Environment {
     instances: BufferId,
     lens: Option<Lens>,
     occluders: Option<Occluders>,
+    pub(super) shadow: Option<ShadowMap>,
     rooms: u32,
 }
 
@@ -232,7 +234,7 @@ impl Placement {
 }
 
 impl View {
-    const BYTES: u64 = 100;
+    pub(super) const BYTES: u64 = 100;
 
     fn words(&self) -> impl Iterator<Item = f32> {
         self.clip_from_world
@@ -318,6 +320,7 @@ impl Environment {
             instances,
             lens: None,
             occluders: None,
+            shadow: None,
             rooms: 1,
         })
     }
@@ -485,8 +488,8 @@ impl Environment {
     }
 
     /// Binds what every program of the models reads.
-    pub(super) fn bind(&self, program: ProgramId) -> [Step; 3] {
-        [
+    pub(super) fn bind(&self, program: ProgramId) -> impl Iterator<Item = Step> + use<> {
+        let steps = [
             Step::Program(program),
             Step::Storage {
                 slot: VIEW_SLOT,
@@ -496,6 +499,7 @@ impl Environment {
                 slot: INSTANCE_SLOT,
                 buffer: self.instances,
             },
-        ]
+        ];
+        steps.into_iter().chain(self.shadow_steps())
     }
 }

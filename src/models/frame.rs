@@ -3,7 +3,8 @@
 use super::{Environment, Resident};
 use crate::gpu::{Command, Load, RenderPass};
 
-/// The commands of a frame: those before `pass`, the pass itself, which draws all `residents` and
+/// The commands of a frame: those before `pass`, the light's pass where there are
+/// [shadows](Environment::cast_shadows), the pass itself, which draws all `residents` and
 /// whatever else there is, and those after it, for residents that draw first what was seen last.
 pub fn frame_commands<'r, S: 'r>(
     environment: &Environment,
@@ -15,6 +16,7 @@ pub fn frame_commands<'r, S: 'r>(
         resident.prepare(&mut commands);
     }
     let target = pass.target;
+    commands.extend(environment.shadow_pass(&pass).map(Command::Render));
     commands.push(Command::Render(pass));
     let (mut reveal, mut steps) = (Vec::new(), Vec::new());
     for resident in residents {

@@ -58,6 +58,7 @@ mod pyramid_pass;
 mod reveal_pass;
 mod select;
 mod select_pass;
+mod shadow;
 mod state;
 mod surface;
 mod terrain;

@@ -99,6 +99,7 @@ mod texel;
 mod texture;
 mod tile;
 mod view;
+mod wrap;
 
 pub use colour::decode_srgb;
 pub use frame::{Image, Target};
@@ -109,7 +110,8 @@ pub use pass::{Machine, Options, Rendered, Skips, render, render_on};
 pub use probe::{ProbedFragment, probe};
 pub use source::{ALL, Boxes, Hull, PART, Part, Source, nth};
 pub use texel::TextureFormat;
-pub use texture::{MipMap, Wrap};
+pub use texture::MipMap;
+pub use wrap::Wrap;
 
 use crate::math::Vec4;
 

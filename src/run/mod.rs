@@ -22,6 +22,7 @@ mod popping;
 mod progress;
 mod selector;
 mod session;
+mod shadow;
 mod shard;
 mod stand_ins;
 mod studio;

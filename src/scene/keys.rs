@@ -322,6 +322,15 @@ pub const KEYS: &[Key] = &[
     key("light.ambient", Kind::Triple { min: 0.0, max: 100.0 }, "linear RGB", Absent::Value("[0.25, 0.28, 0.32]"),
         "The light from everywhere."),
 
+    key("shadow", Kind::Table, "", Absent::Rule("no shadows"),
+        "What is lit casts shadows: one more pass draws what the light sees. Not in mode device."),
+    key("shadow.size", Kind::Integer { min: 16, max: limits::TEXTURE_SIDE as u64 }, "texels", Absent::Value("2048"),
+        "The side of the map of depths, 4 bytes a texel."),
+    key("shadow.bias", Kind::Number { min: 0.0, max: 64.0 }, "texels in the world", Absent::Value("4"),
+        "How much nearer to the light a point is looked up, so that nothing shades itself."),
+    key("shadow.extent", Kind::Number { min: 0.1, max: METRES }, "m", Absent::Rule("all that stands"),
+        "The side of the square before the eye that the map covers; what lies beside it is lit."),
+
     key("model", Kind::Table, "", Absent::Value("{}"),
         "The level-of-detail system and its options."),
     key("model.name", Kind::Choice(ModelName::NAMES), "", Absent::Value("\"lodf\""),

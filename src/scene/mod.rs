@@ -24,6 +24,7 @@ mod keys;
 mod model;
 mod parse;
 mod reader;
+mod shadow;
 mod terrain;
 mod tree;
 mod value;
@@ -40,6 +41,7 @@ pub use model::{
     ModelName, Occlusion, RecordWidth, Simplifier, TrunkMode, TrunkName, VertexFormat,
 };
 pub use parse::{SceneFile, SceneSource};
+pub use shadow::Shadow;
 pub use terrain::Terrain;
 pub use tree::{PlantSource, Tree};
 pub use write::to_toml;
@@ -78,6 +80,8 @@ pub struct Scene {
     pub camera: Camera,
     /// What lights it.
     pub light: Light,
+    /// How what is lit casts shadows, if it does.
+    pub shadow: Option<Shadow>,
     /// The level-of-detail system and its options.
     pub model: ModelChoice,
     /// What stands in for leaves where the model draws cards.

@@ -9,6 +9,7 @@ use crate::document::{Document, DocumentError};
 use crate::limits;
 use crate::math::Digest;
 
+use super::Shadow;
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
@@ -137,6 +138,15 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
     };
     let samples = small(root.have("samples")?);
     let model = model(&below("model")?)?;
+    let shadow = match root.table("shadow")? {
+        Some(_) if model.mode == Mode::Device => {
+            let wanted =
+                "nothing, since `model.mode` \"device\" leaves out what the camera does not see";
+            return Err(root.refuse("shadow", wanted));
+        }
+        Some(table) => Some(shadow(&table)?),
+        None => None,
+    };
     Ok(Scene {
         name: root.get("name")?.unwrap_or_else(|| name_of(file)),
         size: root.have("size")?,
@@ -152,8 +162,9 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         terrain,
         camera: camera(&below("camera")?)?,
         light: light(&below("light")?)?,
-        model,
+        shadow,
         cards: cards(&below("cards")?, model.mode)?,
+        model,
         device: device(&below("device")?)?,
         golden: match root.table("golden")? {
             Some(table) => Some(golden(&table, frames)?),
@@ -329,6 +340,14 @@ fn light(table: &Reader<'_>) -> Result<Light, SceneError> {
         return Err(table.refuse("direction", "a direction, which has a length"));
     }
     Ok(light)
+}
+
+fn shadow(table: &Reader<'_>) -> Result<Shadow, SceneError> {
+    Ok(Shadow {
+        size: small(table.have("size")?),
+        bias: table.have("bias")?,
+        extent: table.get("extent")?,
+    })
 }
 
 fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {

@@ -40,6 +40,14 @@ pub fn to_toml(scene: &Scene) -> String {
     text.key("direction", &triple(scene.light.direction));
     text.key("color", &triple(scene.light.color));
     text.key("ambient", &triple(scene.light.ambient));
+    if let Some(shadow) = &scene.shadow {
+        text.heading("[shadow]");
+        text.key("size", &shadow.size.to_string());
+        text.key("bias", &shadow.bias.to_string());
+        if let Some(extent) = shadow.extent {
+            text.key("extent", &extent.to_string());
+        }
+    }
     write_model(&mut text, &scene.model);
     write_cards(&mut text, &scene.cards);
     text.heading("[device]");
@@ -63,7 +71,7 @@ impl Scene {
     /// so are the places that a forest found.
     ///
     /// What came later stands at the end, after a text that names it, and only where it differs from
-    /// its default: forests, terrain, cards, and `selection` before the model's criterion, amount (by kind
+    /// its default: forests, terrain, cards, shadow, and `selection` before the model's criterion, amount (by kind
     /// as `u32`), hysteresis and budget of bytes, which are not where the model is.
     /// [`ModelChoice::records`] and [`ModelChoice::vertices`] do so within their table.
     #[must_use]
@@ -105,6 +113,14 @@ impl Scene {
         digest_trunk(&mut digester, &self.model);
         if self.cards != CardOptions::USUAL {
             digest_cards(&mut digester, &self.cards);
+        }
+        if let Some(shadow) = &self.shadow {
+            digester
+                .text("shadow")
+                .u32(shadow.size)
+                .f32(shadow.bias)
+                .u32(u32::from(shadow.extent.is_some()))
+                .f32(shadow.extent.unwrap_or(0.0));
         }
         digester.finish()
     }

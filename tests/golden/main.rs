@@ -40,6 +40,7 @@ goldens! {
         slots slots_gathered slots_variable stamps stamps_variable
     }
     select { hysteresis leaf_budget_variable pixel_error }
+    shadow { hill tree }
     species {
         betula_lenta betula_populifolia black_tupelo ca_black_oak cupressus_sempervirens
         juniperus_oxycedrus olea_europaea pistacia_lentiscus quaking_aspen quercus_cerris

@@ -36,6 +36,7 @@ mod report;
 mod scene;
 mod select;
 mod selftest;
+mod shadows;
 mod shards;
 mod shrinking;
 mod simplify_props;

@@ -353,7 +353,7 @@ fn wrong_shapes_are_refused() {
         (with("light = 3"), "2:9: `light`: found 3, wanted a table"),
         (
             with("colour = 3"),
-            "2:1: unknown key `colour`, wanted one of schema, name, size, samples, frames, seed, background, tree, forest, terrain, camera, light, model, device, golden",
+            "2:1: unknown key `colour`, wanted one of schema, name, size, samples, frames, seed, background, tree, forest, terrain, camera, light, shadow, model, cards, device, golden",
         ),
         (
             LEAST.replace("eye =", "eye.x ="),
@@ -517,7 +517,7 @@ fn resolved_scene_leaves_nothing_to_defaults() {
         }
         let name = key.path.rsplit('.').next().expect("not empty");
         // Tables that need not be there.
-        let tables = ["golden", "forest", "terrain"];
+        let tables = ["golden", "forest", "terrain", "shadow"];
         let optional = tables.iter().any(|table| key.path.starts_with(table));
         assert!(
             optional || resolved.contains(name),

@@ -6,6 +6,7 @@ use crate::gpu::{
 };
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
 use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
+use crate::models::shadow::ShadowLookup;
 
 /// Bytes of one vertex: position, normal (3 × `f32` each), texture coordinate (2 × `f32`).
 const VERTEX_BYTES: u32 = 32;
@@ -70,6 +71,7 @@ impl Program for MeshProgram {
             texture: bindings.texture(0),
             base_color: Vec3::new(r, g, b),
             alpha_cutoff,
+            shadow: ShadowLookup::of(bindings),
             view,
         })
     }
@@ -104,7 +106,15 @@ struct MeshFragment<'a> {
     texture: Option<&'a MipMap>,
     base_color: Vec3,
     alpha_cutoff: f32,
+    shadow: Option<ShadowLookup<'a>>,
     view: View,
+}
+
+impl MeshFragment<'_> {
+    /// A bilinear read takes four texels.
+    fn texels_read(&self) -> u64 {
+        if self.texture.is_some() { 4 } else { 0 }
+    }
 }
 
 impl Fragment for MeshFragment<'_> {
@@ -128,15 +138,14 @@ impl Fragment for MeshFragment<'_> {
 
     fn texels_tested(&self) -> u64 {
         if self.alpha_cutoff > 0.0 {
-            self.texels_shaded()
+            self.texels_read()
         } else {
             0
         }
     }
 
     fn texels_shaded(&self) -> u64 {
-        // A bilinear read takes four.
-        if self.texture.is_some() { 4 } else { 0 }
+        self.texels_read() + self.shadow.map_or(0, |_| ShadowLookup::TEXELS)
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
@@ -149,7 +158,12 @@ impl Fragment for MeshFragment<'_> {
         });
         let normal = Vec3::new(nx, ny, nz).normalize_or_zero();
         let normal = if pixel.front { normal } else { -normal };
-        let light = self.view.ambient + self.view.light * normal.dot(self.view.to_light).max(0.0);
+        let toward = normal.dot(self.view.to_light).max(0.0);
+        let toward = match &self.shadow {
+            Some(shadow) if toward > 0.0 => toward * shadow.lit(pixel),
+            _ => toward,
+        };
+        let light = self.view.ambient + self.view.light * toward;
         (self.base_color * texel * light).extend(1.0)
     }
 }

@@ -114,7 +114,7 @@ impl Surface {
 
     /// Binds what a trunk is drawn with.
     pub(super) fn bind(&self, vertices: BufferId, indices: BufferId) -> Vec<Step> {
-        let mut steps = self.environment.bind(self.environment.mesh).to_vec();
+        let mut steps: Vec<Step> = self.environment.bind(self.environment.mesh).collect();
         steps.push(Step::Vertices(vertices));
         steps.push(Step::Indices(indices));
         steps.push(Step::Storage {

@@ -18,6 +18,7 @@ use super::RunError;
 use super::frame::Frame;
 use super::options::SessionOptions;
 use super::selector::Selector;
+use super::shadow::Shadows;
 use super::views::Shot;
 use super::world::World;
 use crate::gpu::{
@@ -55,6 +56,7 @@ pub struct Session<'w> {
     deferred: Option<u64>,
     camera: Option<Camera>,
     owners: Owners,
+    shadows: Option<Shadows>,
 }
 
 /// The target's label.
@@ -144,6 +146,7 @@ impl<'w> Session<'w> {
         if options.kind.selects() && options.model.occlusion == Occlusion::TwoPhase {
             environment.occlude(&mut device, target)?;
         }
+        let shadows = Shadows::new(scene, world, options.kind, &mut device, &mut environment)?;
         let ground = match &world.ground {
             None => None,
             Some(mesh) => {
@@ -186,6 +189,7 @@ impl<'w> Session<'w> {
             deferred: None,
             camera: None,
             owners,
+            shadows,
         };
         let states = dictated.map_or_else(|| session.select(0), <[_]>::to_vec);
         for ((number, tree), state) in (0..).zip(&world.trees).zip(&states) {
@@ -395,8 +399,12 @@ impl<'w> Session<'w> {
     /// Sends the view of a frame, if it is another than the last.
     pub(in crate::run) fn set_view(&mut self, frame: u32) -> Result<(), RunError> {
         let light = &self.scene.light;
+        let seen = self.scene.camera.at(frame, self.size);
+        if let Some(shadows) = &mut self.shadows {
+            shadows.send(&mut self.device, &self.environment, &seen)?;
+        }
         let view = View {
-            clip_from_world: self.scene.camera.at(frame, self.size).clip_from_world,
+            clip_from_world: seen.clip_from_world,
             to_light: light.towards(),
             light: light.color,
             ambient: light.ambient,
