@@ -8,9 +8,11 @@
 //! | | 3 | bits of the impostor's number |
 //! | | 4–5 | with relief: what a metre along the plane's normal adds to z and w in clip space |
 
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, u32x8};
+
 use super::impostors_program::{COLOUR_SLOT, IMPOSTOR_SLOT, ImpostorProgram, NORMAL_SLOT, records};
 use super::impostors_set::CARD_ALPHA_CUTOFF;
-use crate::gpu::{Bindings, Fragment, Kernel, MipMap, Pixel, Wrap};
+use crate::gpu::{Bindings, Fragment, Kernel, MipMap, Pixel, PixelLanes, Wrap};
 use crate::math::{Vec2, Vec3, Vec4};
 use crate::models::environment::{VIEW_SLOT, View};
 use crate::scene::{CardDepth, CardSides, Transparency};
@@ -95,12 +97,33 @@ impl<const COVERS: bool, const RELIEF: bool> ImpostorFragment<'_, COVERS, RELIEF
     #[inline(always)]
     fn place(&self, texture: &MipMap, pixel: &Pixel<'_>) -> (Vec2, u32) {
         let level = texture.level_for(pixel.derivative_x, pixel.derivative_y);
-        let (width, height) = texture.level_size(level);
-        let half = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
         let card = self.card(pixel);
-        let least = card.least[usize::from(!pixel.front)];
-        let at = Vec2::new(pixel.varyings[0], pixel.varyings[1]) + (least - card.least[0]);
-        (at.max(least + half).min(least + card.sides - half), level)
+        let [moved, least, greatest] = card.reads(pixel.front, texture.level_size(level));
+        let within = |at: f32, least: f32, greatest: f32| {
+            let at = if at > least { at } else { least };
+            if at < greatest { at } else { greatest }
+        };
+        let [u, v, ..] = *pixel.varyings;
+        let at = Vec2::new(
+            within(u + moved.x, least.x, greatest.x),
+            within(v + moved.y, least.y, greatest.y),
+        );
+        (at, level)
+    }
+}
+
+impl Card {
+    /// How far the cell of the side that is seen lies from the front's, and between which corners is
+    /// read at a level of a texture of this size: half a texel within the cell.
+    #[inline(always)]
+    fn reads(&self, front: bool, (width, height): (u32, u32)) -> [Vec2; 3] {
+        let half = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
+        let least = self.least[usize::from(!front)];
+        [
+            least - self.least[0],
+            least + half,
+            least + self.sides - half,
+        ]
     }
 }
 
@@ -114,6 +137,34 @@ impl<const COVERS: bool, const RELIEF: bool> Fragment for ImpostorFragment<'_, C
     #[inline(always)]
     fn keeps(&self, pixel: &Pixel<'_>) -> bool {
         self.alpha(pixel) >= self.cutoff
+    }
+
+    #[inline(always)]
+    fn keeps_lanes<S: Simd>(&self, simd: S, pixels: &PixelLanes<'_, S>, wanted: u64) -> u64 {
+        let Some(texture) = self.colour else {
+            return 0;
+        };
+        let levels = texture.level_for_lanes(simd, pixels.derivative_x, pixels.derivative_y);
+        let first = levels[wanted.trailing_zeros() as usize % 8];
+        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
+        if same & wanted != wanted {
+            return pixels.each(wanted, |pixel| self.keeps(pixel));
+        }
+        let card = &self.cards[pixels.flats[3].to_bits() as usize];
+        let [moved, least, greatest] = card.reads(pixels.front, texture.level_size(first));
+        let within = |at: f32x8<S>, moved: f32, least: f32, greatest: f32| {
+            let [moved, least, greatest] =
+                [moved, least, greatest].map(|value| f32x8::splat(simd, value));
+            let at = at + moved;
+            let at = at.simd_gt(least).select(at, least);
+            at.simd_lt(greatest).select(at, greatest)
+        };
+        let at = [
+            within(pixels.varyings[0], moved.x, least.x, greatest.x),
+            within(pixels.varyings[1], moved.y, least.y, greatest.y),
+        ];
+        let alpha = texture.alpha_lanes(simd, at, levels, Wrap::Clamp, wanted);
+        alpha.simd_ge(f32x8::splat(simd, self.cutoff)).to_bitmask()
     }
 
     #[inline(always)]
