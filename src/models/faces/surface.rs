@@ -64,7 +64,7 @@ impl FaceSurface {
 
     /// Binds what faces are drawn with.
     pub(super) fn bind(&self) -> Vec<Step> {
-        let mut steps = self.environment.bind(self.environment.face).to_vec();
+        let mut steps: Vec<Step> = self.environment.bind(self.environment.face).collect();
         steps.push(Step::Vertices(self.vertices));
         for (slot, buffer) in [
             (MATERIAL_SLOT, self.materials),
