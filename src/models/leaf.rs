@@ -14,7 +14,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, f32x16};
 use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
 use super::format::{LeafFormat, Records, VertexReader, Vertices};
 use super::select_pass::crown_cluster_count;
-use super::shadow::ShadowLookup;
+use super::shadow::Lighting;
 use crate::gpu::{
     Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, PixelLanes, Program,
     Topology, Transform, VertexCall, Words, Wrap,
@@ -473,7 +473,6 @@ pub(super) fn leaf_kernel<'a>(
     bindings: &Bindings<'a>,
     looks: impl Iterator<Item = Look>,
 ) -> Box<dyn Kernel + 'a> {
-    let view = View::read(bindings.storage(VIEW_SLOT as usize));
     let surfaces = looks.map(|look| Surface {
         texture: look
             .texture
@@ -484,9 +483,7 @@ pub(super) fn leaf_kernel<'a>(
     });
     Box::new(LeafFragment {
         surfaces: surfaces.collect(),
-        shadow: ShadowLookup::of(bindings),
-        light: view.light,
-        ambient: view.ambient,
+        lighting: Lighting::of(bindings),
     })
 }
 
@@ -500,9 +497,7 @@ fn read_materials(words: Words<'_>) -> Vec<LeafMaterial> {
 #[derive(Debug)]
 struct LeafFragment<'a> {
     surfaces: Vec<Surface<'a>>,
-    shadow: Option<ShadowLookup<'a>>,
-    light: Vec3,
-    ambient: Vec3,
+    lighting: Lighting<'a>,
 }
 
 #[derive(Debug)]
@@ -568,7 +563,7 @@ impl Fragment for LeafFragment<'_> {
     }
 
     fn texels_shaded(&self) -> u64 {
-        self.texels_read() + self.shadow.map_or(0, |_| ShadowLookup::TEXELS)
+        self.texels_read() + self.lighting.texels()
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
@@ -578,11 +573,7 @@ impl Fragment for LeafFragment<'_> {
             texture.sample(coordinate(pixel), level, Wrap::Clamp)
         });
         let toward = pixel.flats[usize::from(!pixel.front)];
-        let toward = match &self.shadow {
-            Some(shadow) if toward > 0.0 => toward * shadow.lit(pixel),
-            _ => toward,
-        };
-        let light = self.ambient + self.light * toward;
+        let light = self.lighting.at(toward, pixel);
         let color = surface.base_color.truncate() * texel.truncate() * light;
         color.extend(1.0)
     }

@@ -12,7 +12,7 @@ use crate::gpu::{
     Bindings, BufferDescriptor, BufferId, Cause, DepthMap, Device, GpuError, Load, MAX_SLOTS,
     Pixel, Queue, RenderPass, Residency, Samples, Step, TargetDescriptor, TargetId, Usage,
 };
-use crate::math::{Mat4, Vec4};
+use crate::math::{Mat4, Vec3, Vec4};
 
 /// The slot of the matrix that leads to the map, in every program: the last one.
 const MATRIX_SLOT: u32 = 15;
@@ -149,19 +149,55 @@ fn send(queue: &mut Queue<'_>, buffer: Option<BufferId>, matrix: &Mat4) -> Resul
     queue.write(buffer, 0, &bytes, SHADOW)
 }
 
+/// The light of a frame as fragment stages know it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lighting<'a> {
+    light: Vec3,
+    ambient: Vec3,
+    shadow: Option<ShadowLookup<'a>>,
+}
+
+impl<'a> Lighting<'a> {
+    /// With what is bound.
+    pub(super) fn of(bindings: &Bindings<'a>) -> Self {
+        let view = View::read(bindings.storage(VIEW_SLOT as usize));
+        Self {
+            light: view.light,
+            ambient: view.ambient,
+            shadow: ShadowLookup::of(bindings),
+        }
+    }
+
+    /// The linear light on a surface at a pixel; `toward` is the cosine between its normal and the way
+    /// to the light, 0 where it faces away.
+    #[inline(always)]
+    pub(super) fn at(&self, toward: f32, pixel: &Pixel<'_>) -> Vec3 {
+        let toward = match &self.shadow {
+            Some(shadow) if toward > 0.0 => toward * shadow.lit(pixel),
+            _ => toward,
+        };
+        self.ambient + self.light * toward
+    }
+
+    /// Texels that one [`at`](Self::at) reads.
+    pub(super) fn texels(&self) -> u64 {
+        self.shadow.map_or(0, |_| ShadowLookup::TEXELS)
+    }
+}
+
 /// How a fragment stage finds what lies in shadow.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ShadowLookup<'a> {
+struct ShadowLookup<'a> {
     map: DepthMap<'a>,
     matrix: Mat4,
 }
 
 impl<'a> ShadowLookup<'a> {
     /// Texels that one [`lit`](Self::lit) reads.
-    pub(super) const TEXELS: u64 = 4;
+    const TEXELS: u64 = 4;
 
     /// With what is bound, where a map is.
-    pub(super) fn of(bindings: &Bindings<'a>) -> Option<Self> {
+    fn of(bindings: &Bindings<'a>) -> Option<Self> {
         let map = bindings.depth(MAP_SLOT as usize)?;
         let matrix = bindings.storage(MATRIX_SLOT as usize).f32s(0);
         Some(Self {
@@ -173,7 +209,7 @@ impl<'a> ShadowLookup<'a> {
     /// The share of a pixel that the light reaches, by its centre: each of the four texels around its
     /// place in the map says yes where nothing nearer lies, and is weighed bilinearly, first along x,
     /// then along y, as `a + (b − a) · t`. Beside the map all is lit.
-    pub(super) fn lit(&self, pixel: &Pixel<'_>) -> f32 {
+    fn lit(&self, pixel: &Pixel<'_>) -> f32 {
         let [x, y] = pixel.position.map(|at| at as f32 + 0.5);
         let place = self.matrix * Vec4::new(x, y, 1.0 - pixel.depth, 1.0);
         let [x, y, depth] = [place.x, place.y, place.z].map(|at| at / place.w);

@@ -45,7 +45,11 @@ pub(super) fn clamped(position: f32, size: u32) -> (u32, u32, f32) {
 /// [`clamped`] of eight coordinates: the column or row of the square, and how far from its first texel to
 /// its second.
 #[inline(always)]
-pub(super) fn clamped_lanes<S: Simd>(simd: S, coordinates: f32x8<S>, size: u32) -> (i32x8<S>, f32x8<S>) {
+pub(super) fn clamped_lanes<S: Simd>(
+    simd: S,
+    coordinates: f32x8<S>,
+    size: u32,
+) -> (i32x8<S>, f32x8<S>) {
     let position = coordinates * f32x8::splat(simd, size as f32) - f32x8::splat(simd, 0.5);
     let before = f32x8::splat(simd, -1.0);
     let position = position.simd_gt(before).select(position, before);

@@ -14,7 +14,7 @@ use super::impostors_program::{COLOUR_SLOT, IMPOSTOR_SLOT, ImpostorProgram, NORM
 use super::impostors_set::CARD_ALPHA_CUTOFF;
 use crate::gpu::{Bindings, Fragment, Kernel, MipMap, Pixel, PixelLanes, Wrap};
 use crate::math::{Vec2, Vec3, Vec4};
-use crate::models::environment::{VIEW_SLOT, View};
+use crate::models::shadow::Lighting;
 use crate::scene::{CardDepth, CardSides, Transparency};
 
 /// The stage of a program with a picture for each impostor.
@@ -35,7 +35,6 @@ fn stage<'a, const COVERS: bool, const RELIEF: bool>(
     program: ImpostorProgram,
     bindings: &Bindings<'a>,
 ) -> ImpostorFragment<'a, COVERS, RELIEF> {
-    let view = View::read(bindings.storage(VIEW_SLOT as usize));
     let blends = program.transparency == Transparency::Blend;
     let cards = records(bindings.storage(IMPOSTOR_SLOT as usize)).map(|record| {
         let (least, sides) = record.cells();
@@ -60,8 +59,7 @@ fn stage<'a, const COVERS: bool, const RELIEF: bool>(
             CardSides::Both => 1.0,
             CardSides::Front => -1.0,
         },
-        light: view.light,
-        ambient: view.ambient,
+        lighting: Lighting::of(bindings),
     }
 }
 
@@ -75,8 +73,7 @@ struct ImpostorFragment<'a, const COVERS: bool, const RELIEF: bool> {
     blends: bool,
     /// The sign of normals that are seen from behind.
     back_normal: f32,
-    light: Vec3,
-    ambient: Vec3,
+    lighting: Lighting<'a>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -201,7 +198,7 @@ impl<const COVERS: bool, const RELIEF: bool> Fragment for ImpostorFragment<'_, C
     }
 
     fn texels_shaded(&self) -> u64 {
-        8
+        8 + self.lighting.texels()
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
@@ -218,7 +215,7 @@ impl<const COVERS: bool, const RELIEF: bool> Fragment for ImpostorFragment<'_, C
         };
         let to_light = Vec3::new(pixel.flats[0], pixel.flats[1], pixel.flats[2]);
         let toward = normal.dot(to_light).max(0.0);
-        let lit = texel.truncate() * (self.ambient + self.light * toward);
+        let lit = texel.truncate() * self.lighting.at(toward, pixel);
         lit.extend(if self.blends { texel.w } else { 1.0 })
     }
 }

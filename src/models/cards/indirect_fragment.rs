@@ -5,7 +5,7 @@ use super::impostors_set::CARD_ALPHA_CUTOFF;
 use super::indirect_map::{LeafPlane, MapSheet};
 use crate::gpu::{Bindings, Fragment, MipMap, Pixel, Words, Wrap};
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
-use crate::models::environment::{VIEW_SLOT, View};
+use crate::models::shadow::Lighting;
 use crate::scene::CardSides;
 
 /// The slot of the leaf planes.
@@ -61,8 +61,7 @@ pub(super) struct IndirectFragment<'a> {
     normal: Option<&'a MipMap>,
     map: Option<&'a MipMap>,
     sides: CardSides,
-    light: Vec3,
-    ambient: Vec3,
+    lighting: Lighting<'a>,
 }
 
 /// A leaf at a pixel.
@@ -77,7 +76,6 @@ impl<'a> IndirectFragment<'a> {
     pub(super) fn new(bindings: &Bindings<'a>, sides: CardSides) -> Self {
         let storage = |slot: u32| bindings.storage(slot as usize);
         let texture = |slot: u32| bindings.texture(slot as usize);
-        let view = View::read(storage(VIEW_SLOT));
         let planes = storage(LEAF_PLANE_SLOT);
         let [side, layers, columns] = planes.u32s(0);
         Self {
@@ -91,8 +89,7 @@ impl<'a> IndirectFragment<'a> {
             normal: texture(1),
             map: texture(MAP_SLOT),
             sides,
-            light: view.light,
-            ambient: view.ambient,
+            lighting: Lighting::of(bindings),
         }
     }
 
@@ -173,7 +170,7 @@ impl Fragment for IndirectFragment<'_> {
     }
 
     fn texels_shaded(&self) -> u64 {
-        self.texels_tested() + 8
+        self.texels_tested() + 8 + self.lighting.texels()
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
@@ -190,7 +187,7 @@ impl Fragment for IndirectFragment<'_> {
         let normal = if pixel.front { normal } else { -normal };
         let to_light = Vec3::new(pixel.flats[0], pixel.flats[1], pixel.flats[2]);
         let toward = normal.dot(to_light).max(0.0);
-        (albedo * (self.ambient + self.light * toward)).extend(1.0)
+        (albedo * self.lighting.at(toward, pixel)).extend(1.0)
     }
 }
 

@@ -16,6 +16,7 @@ use super::bake::ViewFrame;
 use super::rival_card::RivalCard;
 use crate::gpu::{Fragment, MipMap, Pixel, Wrap};
 use crate::math::{Vec2, Vec3, Vec4, det};
+use crate::models::shadow::Lighting;
 
 /// Which directions have views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,8 +142,7 @@ pub(super) struct OctahedralFragment<'a> {
     pub(super) colour: Option<&'a MipMap>,
     pub(super) normal: Option<&'a MipMap>,
     pub(super) alpha_cutoff: f32,
-    pub(super) light: Vec3,
-    pub(super) ambient: Vec3,
+    pub(super) lighting: Lighting<'a>,
 }
 
 /// Where to read one of three views.
@@ -222,7 +222,7 @@ impl Fragment for OctahedralFragment<'_> {
     }
 
     fn texels_shaded(&self) -> u64 {
-        24
+        24 + self.lighting.texels()
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
@@ -244,7 +244,7 @@ impl Fragment for OctahedralFragment<'_> {
         let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
         let to_light = Vec3::new(pixel.flats[0], pixel.flats[1], pixel.flats[2]);
         let toward = (share * normal).dot(to_light).max(0.0);
-        (share * albedo * (self.ambient + self.light * toward)).extend(1.0)
+        (share * albedo * self.lighting.at(toward, pixel)).extend(1.0)
     }
 }
 

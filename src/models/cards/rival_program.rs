@@ -13,6 +13,7 @@ use crate::gpu::{
 };
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
 use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
+use crate::models::shadow::Lighting;
 
 /// The slot of the [cards](RivalCard).
 pub(super) const CARD_SLOT: u32 = 2;
@@ -99,25 +100,22 @@ impl Program for RivalProgram {
     }
 
     fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
-        let view = View::read(bindings.storage(VIEW_SLOT as usize));
         let cards = RivalCard::read_all(bindings.storage(CARD_SLOT as usize));
         let colour = bindings.texture(COLOUR_SLOT as usize);
         let normal = bindings.texture(NORMAL_SLOT as usize);
-        let (light, ambient) = (view.light, view.ambient);
+        let lighting = Lighting::of(bindings);
         match self.0 {
             Shape::Pictures(_) => Box::new(CardFragment::<false> {
                 cards,
                 colour,
                 normal,
-                light,
-                ambient,
+                lighting,
             }),
             Shape::Relief(_) => Box::new(CardFragment::<true> {
                 cards,
                 colour,
                 normal,
-                light,
-                ambient,
+                lighting,
             }),
             Shape::Blended(dome) => Box::new(OctahedralFragment {
                 dome,
@@ -125,8 +123,7 @@ impl Program for RivalProgram {
                 colour,
                 normal,
                 alpha_cutoff: CARD_ALPHA_CUTOFF,
-                light,
-                ambient,
+                lighting,
             }),
         }
     }
@@ -287,8 +284,7 @@ struct CardFragment<'a, const DEEP: bool> {
     cards: Vec<RivalCard>,
     colour: Option<&'a MipMap>,
     normal: Option<&'a MipMap>,
-    light: Vec3,
-    ambient: Vec3,
+    lighting: Lighting<'a>,
 }
 
 impl<const DEEP: bool> CardFragment<'_, DEEP> {
@@ -349,7 +345,7 @@ impl<const DEEP: bool> Fragment for CardFragment<'_, DEEP> {
     }
 
     fn texels_shaded(&self) -> u64 {
-        8
+        8 + self.lighting.texels()
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
@@ -361,6 +357,6 @@ impl<const DEEP: bool> Fragment for CardFragment<'_, DEEP> {
         let normal = 2.0 * normals.sample(at, level, Wrap::Clamp).truncate() - Vec3::ONE;
         let to_light = Vec3::new(pixel.flats[0], pixel.flats[1], pixel.flats[2]);
         let toward = normal.dot(to_light).max(0.0);
-        (albedo * (self.ambient + self.light * toward)).extend(1.0)
+        (albedo * self.lighting.at(toward, pixel)).extend(1.0)
     }
 }

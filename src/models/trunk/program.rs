@@ -6,7 +6,7 @@ use crate::gpu::{
 };
 use crate::math::{Vec2, Vec3, Vec4, index_u32};
 use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
-use crate::models::shadow::ShadowLookup;
+use crate::models::shadow::Lighting;
 
 /// Bytes of one vertex: position, normal (3 × `f32` each), texture coordinate (2 × `f32`).
 const VERTEX_BYTES: u32 = 32;
@@ -71,7 +71,7 @@ impl Program for MeshProgram {
             texture: bindings.texture(0),
             base_color: Vec3::new(r, g, b),
             alpha_cutoff,
-            shadow: ShadowLookup::of(bindings),
+            lighting: Lighting::of(bindings),
             view,
         })
     }
@@ -106,7 +106,7 @@ struct MeshFragment<'a> {
     texture: Option<&'a MipMap>,
     base_color: Vec3,
     alpha_cutoff: f32,
-    shadow: Option<ShadowLookup<'a>>,
+    lighting: Lighting<'a>,
     view: View,
 }
 
@@ -145,7 +145,7 @@ impl Fragment for MeshFragment<'_> {
     }
 
     fn texels_shaded(&self) -> u64 {
-        self.texels_read() + self.shadow.map_or(0, |_| ShadowLookup::TEXELS)
+        self.texels_read() + self.lighting.texels()
     }
 
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
@@ -159,11 +159,7 @@ impl Fragment for MeshFragment<'_> {
         let normal = Vec3::new(nx, ny, nz).normalize_or_zero();
         let normal = if pixel.front { normal } else { -normal };
         let toward = normal.dot(self.view.to_light).max(0.0);
-        let toward = match &self.shadow {
-            Some(shadow) if toward > 0.0 => toward * shadow.lit(pixel),
-            _ => toward,
-        };
-        let light = self.view.ambient + self.view.light * toward;
+        let light = self.lighting.at(toward, pixel);
         (self.base_color * texel * light).extend(1.0)
     }
 }
