@@ -42,7 +42,7 @@ goldens! {
     select { hysteresis leaf_budget_variable pixel_error }
     shadow { hill tree }
     species {
-        betula_lenta betula_populifolia black_tupelo ca_black_oak cupressus_sempervirens
+        betula_lenta betula_populifolia black_tupelo ca_black_oak castanea_sativa cupressus_sempervirens
         juniperus_oxycedrus olea_europaea pistacia_lentiscus quaking_aspen quercus_cerris
         quercus_suber sorbus_aucuparia spartium_junceum taxus_baccata weeping_willow
     }

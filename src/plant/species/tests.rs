@@ -81,18 +81,27 @@ fn the_table_of_keys_states_the_ranges() {
             vec![least, most]
         };
         for end in ends {
-            let text = with(section, &format!("{key} = {}", value(default, end)));
+            let text = with(section, &format!("{}{key} = {}", company(key), value(default, end)));
             parse(&text).unwrap_or_else(|error| panic!("{error}"));
         }
     }
 }
 
+/// What has to be said with a key.
+fn company(key: &str) -> &'static str {
+    match key {
+        "droop" | "fold" => "faces = 10\n",
+        _ => "",
+    }
+}
+
 #[test]
 fn the_table_of_keys_states_the_defaults() {
-    let plain = parse(&with("", "")).unwrap();
     for [section, key, default, _] in rows() {
         if default != "none" {
-            let stated = parse(&with(section, &format!("{key} = {default}"))).unwrap();
+            let alone = company(key);
+            let plain = parse(&with(if alone.is_empty() { "" } else { section }, alone)).unwrap();
+            let stated = parse(&with(section, &format!("{alone}{key} = {default}"))).unwrap();
             assert_eq!(stated, plain, "{section}.{key} = {default}");
         }
     }
