@@ -99,6 +99,7 @@ mod texel;
 mod texture;
 mod tile;
 mod view;
+mod works;
 mod wrap;
 
 pub use colour::decode_srgb;

@@ -17,6 +17,7 @@ use super::probe::Point;
 use super::reach::Cover;
 use super::setup::{Chunk, Spare, Triangle, key, vertex_ids};
 use super::view::{PixelBox, View, clamp_depth};
+use super::works::Works;
 use super::{Batch, Blend, Counters, Key, Samples, Skips, Work};
 use crate::math::{Vec4, index_u32};
 
@@ -101,35 +102,6 @@ struct Visit {
     piece: u32,
     /// The places of its entries.
     entries: [u32; 2],
-}
-
-/// Work by batch; most blocks see few batches.
-#[derive(Debug, Default)]
-struct Works {
-    of_batch: Vec<Work>,
-    touched: Vec<u32>,
-}
-
-impl Works {
-    fn of(&mut self, batch: u32) -> &mut Work {
-        let index = batch as usize;
-        if self.of_batch.len() <= index {
-            self.of_batch.resize(index + 1, Work::default());
-        }
-        if self.of_batch[index] == Work::default() {
-            self.touched.push(batch);
-        }
-        &mut self.of_batch[index]
-    }
-
-    /// What was counted, by ascending batch; counting starts anew.
-    fn take(&mut self) -> Vec<(u32, Work)> {
-        self.touched.sort_unstable();
-        self.touched.dedup();
-        let of_batch = &mut self.of_batch;
-        let take = |batch: u32| (batch, std::mem::take(&mut of_batch[batch as usize]));
-        self.touched.drain(..).map(take).collect()
-    }
 }
 
 impl Scratch<'_> {
