@@ -458,16 +458,27 @@ pub fn key_help() -> String {
             "" => String::new(),
             unit => format!(" ({unit})"),
         };
-        help += &format!(
-            "{}\n    {}\n    {}{unit}; {}\n",
-            key.path,
-            key.meaning,
-            key.kind.wanted(),
-            key.absent.shown()
-        );
+        help += &format!("{}\n    {}\n", key.path, key.meaning);
+        let values = format!("{}{unit}; {}", key.kind.wanted(), key.absent.shown());
+        let mut width = 0;
+        for word in values.split(' ') {
+            let length = 1 + word.chars().count();
+            if width == 0 || width + length > HELP_WIDTH {
+                help += if width == 0 { "    " } else { "\n    " };
+                width = 3;
+            } else {
+                help.push(' ');
+            }
+            help += word;
+            width += length;
+        }
+        help.push('\n');
     }
     help
 }
+
+/// Characters of a line of help, where words allow it.
+const HELP_WIDTH: usize = 140;
 
 #[cfg(test)]
 mod tests {

@@ -136,7 +136,7 @@ fn single_values_out_of_range_are_refused() {
         ),
         (
             ending("[model]\nmode = \"magic\""),
-            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\", \"literal\", \"indices\", \"resident\" or \"device\"",
+            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\", \"literal\", \"indices\", \"resident\", \"device\", \"direct\", \"indirect\", \"axial\", \"facing\", \"depth\", \"nearest\", \"fixed\", \"hemisphere\" or \"sphere\"",
         ),
         (
             ending("[model]\nname = \"vdf\"\nmode = \"slots\""),
@@ -232,7 +232,7 @@ fn values_that_do_not_go_together_are_refused() {
         ),
         (
             ending("[cards]\ncount = 8\nlevels = [9, 4]"),
-            "8:10: `cards.levels`: found a list of 2 values, wanted levels that begin with `count`, which is 8",
+            "8:10: `cards.levels`: found [9, 4], wanted levels that begin with `count`, which is 8",
         ),
         (
             ending("[model]\nleaf_share = 0.5\nlevel = 0.5"),
@@ -340,7 +340,7 @@ fn wrong_shapes_are_refused() {
         ),
         (
             ending("[model]\nname = [{ eye = [0, 1, 9], target = [0, 1, 0] }]"),
-            "7:8: `model.name`: found [{ eye = [0, 1, 9], target = [0, 1, 0] }], wanted \"lodf\", \"full\" or \"vdf\"",
+            "7:8: `model.name`: found [{ eye = [0, 1, 9], target = [0, 1, 0] }], wanted \"lodf\", \"full\", \"vdf\", \"impostors\", \"billboard\", \"sprites\", \"crossed\", \"octahedral\" or \"flattened\"",
         ),
         (
             with("camera = 3").replace("[camera]", "[light]"),

@@ -354,7 +354,7 @@ fn sent(frame: &Frame) -> u64 {
 fn modes() -> &'static [(ModelName, Mode)] {
     static MODES: OnceLock<Vec<(ModelName, Mode)>> = OnceLock::new();
     MODES.get_or_init(|| {
-        let names = ModelName::ALL.iter();
+        let names = ModelName::ALL.iter().filter(|name| name.shows_leaves());
         let of = |name: &ModelName| {
             name.modes()
                 .iter()

@@ -81,7 +81,10 @@ fn the_table_of_keys_states_the_ranges() {
             vec![least, most]
         };
         for end in ends {
-            let text = with(section, &format!("{}{key} = {}", company(key), value(default, end)));
+            let text = with(
+                section,
+                &format!("{}{key} = {}", company(key), value(default, end)),
+            );
             parse(&text).unwrap_or_else(|error| panic!("{error}"));
         }
     }

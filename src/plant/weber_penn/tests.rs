@@ -312,6 +312,11 @@ fn wild(seed: u64) -> Species {
         };
         let (least, most) = cells[4].split_once("..=").expect("filtered for it");
         let [least, most]: [f32; 2] = [least, most].map(|end| end.parse().expect("a number"));
+        if key == "faces" {
+            // Even, and enough for leaves that bend.
+            tables.push((section, format!("faces = {}", 4 + 2 * draws.below(31))));
+            continue;
+        }
         let most = match key {
             "curve_res" => 5.0,
             "branches" => 9.0,
