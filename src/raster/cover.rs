@@ -30,7 +30,6 @@ pub(super) fn cover<S: Simd, F: Fragment, const SAMPLES: usize>(
 ) {
     let mut candidates = tile.scratch.candidates.take().unwrap_or_default();
     let exact = tile.scene.counters == Counters::Exact;
-    let tests_alpha = F::TESTS_ALPHA && (exact || !kernel.keeps_all());
     for place in 0..choice.count(chunk) {
         let number = choice.triangle(place);
         let triangle = &chunk.triangles[number];
@@ -47,7 +46,6 @@ pub(super) fn cover<S: Simd, F: Fragment, const SAMPLES: usize>(
             number,
             mark: 0,
             exact,
-            tests_alpha,
             tile,
             chunk,
             candidates: &mut candidates,
@@ -142,7 +140,6 @@ struct Contest<'c, 't, 'a, F, const SAMPLES: usize> {
     /// What samples that it wins are marked with; 0 as long as there is none.
     mark: u32,
     exact: bool,
-    tests_alpha: bool,
     tile: &'c mut Tile<'t, 'a>,
     chunk: &'c Chunk<'c>,
     candidates: &'c mut Candidates,
@@ -202,7 +199,7 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
             }
             start = x + LANE_COUNT;
         }
-        if self.tests_alpha {
+        if F::TESTS_ALPHA {
             self.decide(simd);
         }
     }
@@ -265,8 +262,8 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
             return;
         }
         let tested = if self.exact { covered } else { winning };
-        if !self.tests_alpha || tested.count_ones() >= MANY_LANES {
-            if self.tests_alpha {
+        if !F::TESTS_ALPHA || tested.count_ones() >= MANY_LANES {
+            if F::TESTS_ALPHA {
                 let [x, y] = self.tile.pixel_at(index);
                 let (x, y) = (x.unsigned_abs(), y.unsigned_abs());
                 let positions = [
@@ -383,7 +380,7 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
     #[inline(always)]
     fn decide<S: Simd>(&mut self, simd: S) {
         let count = std::mem::take(&mut self.candidates.count);
-        if !self.tests_alpha {
+        if !F::TESTS_ALPHA {
             for place in 0..count {
                 self.win(place);
             }

@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, f32x8};
 
 use super::by_sample;
-use super::tile::Passes;
+use super::passes::Passes;
 use crate::math::{Vec2, Vec4};
 
 /// The most floats a vertex that are interpolated.
@@ -38,6 +38,11 @@ pub trait Fragment: Send + Sync + std::fmt::Debug {
     fn keeps_all(&self) -> bool {
         !Self::TESTS_ALPHA
     }
+
+    /// Whether the loops that test the alpha of eight pixels at a time are compiled for this stage, which
+    /// takes long. Where not, or where it decides by the sample, opaque triangles are decided pixel by
+    /// pixel: the same picture, later.
+    const IN_LANES: bool = true;
 
     /// Whether the samples of opaque fragments that are there follow from [`alpha`](Self::alpha), in
     /// place of [`keeps`](Self::keeps).

@@ -85,6 +85,7 @@ mod layer;
 mod line_blend;
 mod lines;
 mod pass;
+mod passes;
 mod piece;
 mod pixels;
 mod plane;

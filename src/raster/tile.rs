@@ -4,16 +4,12 @@
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use fearless_simd::dispatch;
-
 use super::bin::Entry;
-use super::by_sample::{self, Verdict};
 use super::cover::Candidates;
 use super::frame::{BLOCK_SIDE, NOTHING};
 use super::items::{Item, Items, NOBODY, each_owner};
 use super::lines::Run;
 use super::piece::Piece;
-use super::probe::Point;
 use super::reach::Cover;
 use super::setup::{Chunk, Spare, Triangle, key, vertex_ids};
 use super::view::{PixelBox, View, clamp_depth};
@@ -213,7 +209,7 @@ impl<'t, 'a> Tile<'t, 'a> {
     }
 
     /// Whether there is anything to shade for.
-    fn has_colour(&self) -> bool {
+    pub(super) fn has_colour(&self) -> bool {
         !self.colour.is_empty()
     }
 
@@ -504,77 +500,5 @@ impl Winners<'_> {
     /// The numbers of the triangles.
     pub(super) fn triangles(&self) -> impl Iterator<Item = usize> {
         self.0.iter().map(|winner| winner.triangle as usize)
-    }
-}
-
-/// The three loops over a tile, compiled once a fragment stage; and a look at one pixel.
-#[expect(unnameable_types, reason = "seals `Kernel`: nobody else can call it")]
-pub trait Passes {
-    /// Opaque triangles against depth and key.
-    fn cover(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>);
-    /// Colour of what won: the triangles, and their places among the winners.
-    fn shade(
-        &self,
-        tile: &mut Tile<'_, '_>,
-        chunk: &Chunk<'_>,
-        winners: &Winners<'_>,
-        places: Range<usize>,
-    );
-    /// Blended triangles in order.
-    fn blend(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>);
-    /// What a fragment is where it meets what is there, and its colour.
-    fn probe(&self, point: &Point<'_>, blend: Blend) -> (Verdict, Vec4);
-}
-
-impl<F: super::Fragment> Passes for F {
-    fn cover(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>) {
-        let (level, samples) = (tile.scene.view.level, tile.scene.samples);
-        if F::MOVES_DEPTH || F::COVERAGE {
-            return match samples {
-                Samples::One => by_sample::cover::<F, 1>(self, tile, chunk, choice),
-                Samples::Four => by_sample::cover::<F, 4>(self, tile, chunk, choice),
-            };
-        }
-        match samples {
-            Samples::One => dispatch!(level, simd => {
-                super::cover::cover::<_, F, 1>(simd, self, tile, chunk, choice);
-            }),
-            Samples::Four => dispatch!(level, simd => {
-                super::cover::cover::<_, F, 4>(simd, self, tile, chunk, choice);
-            }),
-        }
-    }
-
-    fn shade(
-        &self,
-        tile: &mut Tile<'_, '_>,
-        chunk: &Chunk<'_>,
-        winners: &Winners<'_>,
-        places: Range<usize>,
-    ) {
-        if !tile.has_colour() {
-            return super::depth_only::own(tile, chunk, winners, places);
-        }
-        match tile.scene.samples {
-            Samples::One => super::shade::shade::<F, 1>(self, tile, chunk, winners, places),
-            Samples::Four => super::shade::shade::<F, 4>(self, tile, chunk, winners, places),
-        }
-    }
-
-    fn blend(&self, tile: &mut Tile<'_, '_>, chunk: &Chunk<'_>, choice: Choice<'_>) {
-        if chunk.lines.count() > 0 {
-            let level = tile.scene.view.level;
-            return dispatch!(level, simd => {
-                super::line_blend::blend::<_, F>(simd, self, tile, chunk, choice);
-            });
-        }
-        match tile.scene.samples {
-            Samples::One => super::shade::blend::<F, 1>(self, tile, chunk, choice),
-            Samples::Four => super::shade::blend::<F, 4>(self, tile, chunk, choice),
-        }
-    }
-
-    fn probe(&self, point: &Point<'_>, blend: Blend) -> (Verdict, Vec4) {
-        point.look(self, blend)
     }
 }

@@ -159,6 +159,7 @@ impl Fragment for IndirectFragment<'_> {
     const VARYINGS: usize = 2;
     const FLATS: usize = 4;
     const TESTS_ALPHA: bool = true;
+    const IN_LANES: bool = false;
 
     fn keeps(&self, pixel: &Pixel<'_>) -> bool {
         self.found(pixel).is_some()

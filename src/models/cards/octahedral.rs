@@ -201,6 +201,7 @@ impl Fragment for OctahedralFragment<'_> {
     const VARYINGS: usize = 5;
     const FLATS: usize = 7;
     const TESTS_ALPHA: bool = true;
+    const IN_LANES: bool = false;
 
     fn keeps(&self, pixel: &Pixel<'_>) -> bool {
         let Some(texture) = self.colour else {

@@ -311,6 +311,7 @@ impl<const DEEP: bool> Fragment for CardFragment<'_, DEEP> {
     const VARYINGS: usize = if DEEP { 4 } else { 2 };
     const FLATS: usize = if DEEP { 6 } else { 4 };
     const TESTS_ALPHA: bool = true;
+    const IN_LANES: bool = false;
     const MOVES_DEPTH: bool = DEEP;
 
     #[inline(always)]
