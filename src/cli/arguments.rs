@@ -202,8 +202,9 @@ pub(super) struct ParallaxOptions {
 pub(super) struct StandInArguments {
     /// Scene file; its first plant is looked at, foliage alone, on a screen of its size and angle
     pub(super) scene: PathBuf,
-    #[command(flatten)]
-    pub(super) drawing: Drawing,
+    /// Pixels of the screen, such as 640x480, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<(u32, u32)>,
     /// Cards to hold against leaves, such as impostors-direct; lodf-host tells what leaves take that lie in
     /// host memory
     #[arg(

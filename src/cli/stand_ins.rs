@@ -1,7 +1,7 @@
 //! `spinney stand-ins`: what stands in for leaves, against leaves.
 
 use super::Verdict;
-use super::arguments::{Shared, StandInArguments};
+use super::arguments::{Drawing, Shared, StandInArguments};
 use super::error::CliError;
 use super::prepare::Prepared;
 use super::run::folder;
@@ -23,10 +23,17 @@ pub(super) fn stand_ins(
     terminal: &Terminal,
 ) -> Result<Verdict, CliError> {
     let kinds = kinds(&options.models)?;
+    let drawing = Drawing {
+        size: options.size,
+        samples: None,
+        frames: None,
+        counters: None,
+        shard: None,
+    };
     let progress = terminal.progress();
     let prepared = Prepared::new(
         &options.scene,
-        Some(&options.drawing),
+        Some(&drawing),
         Counters::Exact,
         shared,
         terminal,

@@ -17,6 +17,8 @@ pub enum Crossover {
     Faster,
     /// Nowhere: it is slower throughout.
     Slower,
+    /// Everywhere.
+    Same,
     /// Nothing is known.
     Unknown,
 }
@@ -32,6 +34,9 @@ pub fn crossover(leaves: &StandInCost, cost: &StandInCost) -> Crossover {
         let crosses = first != second && (first <= 0.0) != (second <= 0.0);
         crosses.then(|| det::exp_f64(near + (far - near) * first / (first - second)))
     };
+    if !ratios.is_empty() && ratios.iter().all(|[_, ratio]| *ratio == 1.0) {
+        return Crossover::Same;
+    }
     match ratios.windows(2).rev().find_map(crossing) {
         Some(radius) => Crossover::At(radius),
         None => match ratios.first() {
@@ -198,6 +203,7 @@ mod tests {
         );
         assert_eq!(crossover(&leaves, &cost(&[2000, 2000])), Crossover::Slower);
         assert_eq!(crossover(&leaves, &cost(&[])), Crossover::Unknown);
+        assert_eq!(crossover(&leaves, &leaves), Crossover::Same);
         // Four times as fast at 8, four times as slow at 16: as fast half way, on a scale of ratios.
         let Crossover::At(radius) = crossover(&leaves, &cost(&[125, 250, 4000, 8000])) else {
             panic!("they cross");

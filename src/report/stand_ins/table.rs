@@ -138,6 +138,7 @@ pub fn stand_in_cost_table(report: &StandInReport) -> Table {
             },
             Crossover::Faster => Cell::Text("faster throughout".to_owned()),
             Crossover::Slower => Cell::Text("slower throughout".to_owned()),
+            Crossover::Same => Cell::Text("throughout".to_owned()),
             Crossover::Unknown => Cell::Missing,
         });
         vec![
