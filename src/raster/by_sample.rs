@@ -3,7 +3,7 @@
 //! What [`cover`](super::cover) leaves out before a fragment stage is asked must here wait for its
 //! answer, or for the bound that the stage gives; so this goes pixel by pixel.
 
-use super::pixels::{Along, gains, visit_spans};
+use super::pixels::{Along, SpanRows, gains};
 use super::plane::{Attributes, Edges, depth_at};
 use super::setup::Chunk;
 use super::tile::{Choice, Tile};
@@ -177,7 +177,7 @@ pub(super) fn cover<F: Fragment, const SAMPLES: usize>(
                 }
             }
         };
-        visit_spans(&edges, &gains, pixels, |spans| {
+        for spans in SpanRows::of(&edges, &gains, pixels) {
             let [first, last] = spans.columns();
             let mut along = Along::new(&edges, first, spans.y);
             for x in first..=last {
@@ -187,7 +187,7 @@ pub(super) fn cover<F: Fragment, const SAMPLES: usize>(
                 }
                 along.step();
             }
-        });
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use fearless_simd::{
 };
 
 use super::frame::BLOCK_SIDE;
-use super::pixels::{Along, Gains, Spans, gains, visit_spans};
+use super::pixels::{Along, Gains, SpanRows, Spans, gains};
 use super::plane::{Attributes, Edges, LANES, depth_at};
 use super::setup::{Chunk, Triangle};
 use super::tile::{Choice, Tile};
@@ -320,9 +320,9 @@ impl<F: Fragment, const SAMPLES: usize> Contest<'_, '_, '_, F, SAMPLES> {
     fn fight<S: Simd>(&mut self, simd: S, pixels: PixelBox) {
         let edges = self.edges;
         let gains = gains::<SAMPLES>(self.tile.scene.samples, &edges);
-        visit_spans(&edges, &gains, pixels, |spans| {
-            self.row(simd, &gains, spans);
-        });
+        for spans in SpanRows::of(&edges, &gains, pixels) {
+            self.row(simd, &gains, &spans);
+        }
         self.decide(simd);
     }
 

@@ -5,6 +5,8 @@
 //! additions. That costs nothing for the pixels beside the span, of which thin leaves that lie
 //! across have the more. Boxes of a few pixels are not worth the divisions.
 
+use std::ops::RangeInclusive;
+
 use super::Samples;
 use super::plane::{Edges, coordinates};
 use super::view::{PixelBox, SUBPIXELS};
@@ -65,48 +67,73 @@ pub(super) fn gains<const SAMPLES: usize>(samples: Samples, edges: &Edges) -> Ga
 /// Boxes of no more pixels are decided pixel by pixel.
 const FEW: i32 = 8;
 
-/// Visits the spans of some pixels, row by row; tiny boxes give a span a pixel.
-#[inline(always)]
-pub(super) fn visit_spans<const SAMPLES: usize>(
-    edges: &Edges,
-    gains: &Gains<SAMPLES>,
-    pixels: PixelBox,
-    mut each: impl FnMut(&Spans<SAMPLES>),
-) {
-    let size = [0, 1].map(|axis| pixels.last[axis] - pixels.first[axis] + 1);
-    if size[0] * size[1] <= FEW {
-        visit_each(edges, gains, pixels, each);
-        return;
-    }
-    let mut walks = gains.map(|gain| Walk::new(edges, gain, pixels.first[1]));
-    for y in pixels.first[1]..=pixels.last[1] {
-        let mut spans = [[0; 2]; SAMPLES];
-        for (span, walk) in spans.iter_mut().zip(&mut walks) {
-            *span = walk.span([pixels.first[0], pixels.last[0]]);
-            walk.step();
+/// The spans of some pixels, row by row.
+///
+/// An iterator and no closure for each row: that would be compiled with the instructions that every machine
+/// has, whatever its caller has.
+#[derive(Debug)]
+pub(super) struct SpanRows<'e, const SAMPLES: usize> {
+    edges: &'e Edges,
+    gains: &'e Gains<SAMPLES>,
+    columns: [i32; 2],
+    rows: RangeInclusive<i32>,
+    /// None where there are few pixels.
+    walks: Option<[Walk; SAMPLES]>,
+}
+
+impl<'e, const SAMPLES: usize> SpanRows<'e, SAMPLES> {
+    #[inline(always)]
+    pub(super) fn of(edges: &'e Edges, gains: &'e Gains<SAMPLES>, pixels: PixelBox) -> Self {
+        let [first, last] = [pixels.first, pixels.last];
+        let few = (last[0] - first[0] + 1) * (last[1] - first[1] + 1) <= FEW;
+        Self {
+            edges,
+            gains,
+            columns: [first[0], last[0]],
+            rows: first[1]..=last[1],
+            walks: (!few).then(|| gains.map(|gain| Walk::new(edges, gain, first[1]))),
         }
-        each(&Spans { y, spans });
     }
 }
 
+impl<const SAMPLES: usize> Iterator for SpanRows<'_, SAMPLES> {
+    type Item = Spans<SAMPLES>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Self::Item> {
+        let y = self.rows.next()?;
+        let Some(walks) = &mut self.walks else {
+            let spans = each_pixel(self.edges, self.gains, self.columns, y);
+            return Some(Spans { y, spans });
+        };
+        let mut spans = [NONE; SAMPLES];
+        for (span, walk) in spans.iter_mut().zip(walks) {
+            *span = walk.span(self.columns);
+            walk.step();
+        }
+        Some(Spans { y, spans })
+    }
+}
+
+/// The spans of a row by the rule itself.
 #[inline(always)]
-fn visit_each<const SAMPLES: usize>(
+fn each_pixel<const SAMPLES: usize>(
     edges: &Edges,
     gains: &Gains<SAMPLES>,
-    pixels: PixelBox,
-    mut each: impl FnMut(&Spans<SAMPLES>),
-) {
-    for y in pixels.first[1]..=pixels.last[1] {
-        for x in pixels.first[0]..=pixels.last[0] {
-            let at = edges.at_pixel(x, y);
-            let spans = gains.map(|gain| {
-                let value = |k: usize| at[k] + gain[k] + edges.bias[k];
-                let inside = value(0) | value(1) | value(2) >= 0;
-                if inside { [x, x] } else { NONE }
-            });
-            each(&Spans { y, spans });
+    columns: [i32; 2],
+    y: i32,
+) -> [[i32; 2]; SAMPLES] {
+    let mut spans = [NONE; SAMPLES];
+    for x in columns[0]..=columns[1] {
+        let at = edges.at_pixel(x, y);
+        for (span, gain) in spans.iter_mut().zip(gains) {
+            let value = |k: usize| at[k] + gain[k] + edges.bias[k];
+            if value(0) | value(1) | value(2) >= 0 {
+                *span = [if *span == NONE { x } else { span[0] }, x];
+            }
         }
     }
+    spans
 }
 
 /// No pixels.
@@ -299,12 +326,12 @@ mod tests {
             last: [side - 1, side - 1],
         };
         let gains = gains::<SAMPLES>(samples, edges);
-        visit_spans(edges, &gains, pixels, |spans| {
+        for spans in SpanRows::of(edges, &gains, pixels) {
             let [first, last] = spans.columns();
             for x in first..=last {
                 masks[(spans.y * side + x).unsigned_abs() as usize] |= spans.mask(x);
             }
-        });
+        }
         masks
     }
 

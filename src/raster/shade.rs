@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::by_sample::moved;
 use super::items::NOBODY;
-use super::pixels::{Along, gains, visit_spans};
+use super::pixels::{Along, SpanRows, gains};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
 use super::setup::{Chunk, key};
 use super::tile::{Choice, Tile, Winners};
@@ -126,7 +126,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
                 }
             }
         };
-        visit_spans(&edges, &gains, pixels, |spans| {
+        for spans in SpanRows::of(&edges, &gains, pixels) {
             let [first, last] = spans.columns();
             let mut along = Along::new(&edges, first, spans.y);
             for x in first..=last {
@@ -136,7 +136,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
                 }
                 along.step();
             }
-        });
+        }
     }
 }
 

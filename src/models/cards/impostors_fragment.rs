@@ -124,6 +124,15 @@ impl Card {
     }
 }
 
+/// Coordinates moved, then kept within a least and a greatest one.
+#[inline(always)]
+fn within<S: Simd>(simd: S, at: f32x8<S>, [moved, least, greatest]: [f32; 3]) -> f32x8<S> {
+    let (least, greatest) = (f32x8::splat(simd, least), f32x8::splat(simd, greatest));
+    let at = at + f32x8::splat(simd, moved);
+    let at = at.simd_gt(least).select(at, least);
+    at.simd_lt(greatest).select(at, greatest)
+}
+
 impl<const COVERS: bool, const RELIEF: bool> Fragment for ImpostorFragment<'_, COVERS, RELIEF> {
     const VARYINGS: usize = if RELIEF { 3 } else { 2 };
     const FLATS: usize = if RELIEF { 6 } else { 4 };
@@ -149,16 +158,9 @@ impl<const COVERS: bool, const RELIEF: bool> Fragment for ImpostorFragment<'_, C
         }
         let card = &self.cards[pixels.flats[3].to_bits() as usize];
         let [moved, least, greatest] = card.reads(pixels.front, texture.level_size(first));
-        let within = |at: f32x8<S>, moved: f32, least: f32, greatest: f32| {
-            let [moved, least, greatest] =
-                [moved, least, greatest].map(|value| f32x8::splat(simd, value));
-            let at = at + moved;
-            let at = at.simd_gt(least).select(at, least);
-            at.simd_lt(greatest).select(at, greatest)
-        };
         let at = [
-            within(pixels.varyings[0], moved.x, least.x, greatest.x),
-            within(pixels.varyings[1], moved.y, least.y, greatest.y),
+            within(simd, pixels.varyings[0], [moved.x, least.x, greatest.x]),
+            within(simd, pixels.varyings[1], [moved.y, least.y, greatest.y]),
         ];
         let alpha = texture.alpha_lanes(simd, at, levels, Wrap::Clamp, wanted);
         alpha.simd_ge(f32x8::splat(simd, self.cutoff)).to_bitmask()
