@@ -19,6 +19,7 @@ pub use table::{stand_in_cost_table, stand_in_notes, stand_in_table, stand_in_te
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::{IntoParallelIterator as _, ParallelIterator as _};
 use serde::Serialize;
 
 use self::sheet::Strip;
@@ -137,20 +138,21 @@ impl StandInMeter {
             shots,
             frames,
         } = look;
-        let views: Vec<PictureView> = shots
-            .into_iter()
-            .map(PictureView::of)
-            .collect::<Result<_, _>>()?;
+        let views: Vec<Result<PictureView, ReportError>> =
+            shots.into_par_iter().map(PictureView::of).collect();
+        let views: Vec<PictureView> = views.into_iter().collect::<Result<_, _>>()?;
         let wanted = stand_in.reference();
         let key = (scale, wanted.leaves);
         let itself = (stand_in, Vec::new());
         let known = self.references.get(&key).unwrap_or(&itself);
         // Leaves are their own reference.
         let against = if stand_in == wanted { &views } else { &known.1 };
-        let pairs = against.iter().zip(&views);
-        let found: Vec<ViewQuality> = pairs
+        let pairs: Vec<_> = against.iter().zip(&views).collect();
+        let found: Vec<Result<ViewQuality, ReportError>> = pairs
+            .into_par_iter()
             .map(|(reference, view)| ViewQuality::between(reference, view))
-            .collect::<Result<_, _>>()?;
+            .collect();
+        let found: Vec<ViewQuality> = found.into_iter().collect::<Result<_, _>>()?;
         self.report.looks.push(StandInQuality {
             stand_in,
             scale,
