@@ -11,6 +11,7 @@
 
 use rayon::prelude::*;
 
+use super::atlas_alpha::deal_out;
 use super::bake_resolve::{BakedView, byte};
 use crate::limits;
 use crate::math::Vec2;
@@ -61,9 +62,9 @@ impl Atlas {
     /// The atlas of views whose sides are powers of two; `None` where they do not fit a texture, or
     /// there is none.
     ///
-    /// Each view has its own smaller versions down to a texel, by [`Texture::mips`], so that each
-    /// covers at all sizes what it covers at the largest; there are as many levels as the smallest
-    /// side of a cell allows.
+    /// Each view has its own smaller versions down to a texel, whose alpha is [dealt out](super::atlas_alpha), so
+    /// that each covers at all sizes what it covers at the largest, and where it does; there are as many
+    /// levels as the smallest side of a cell allows. With a cutoff of 0 alpha stays a mean.
     pub(super) fn of(views: &[BakedView], alpha_cutoff: f32) -> Option<Self> {
         let sizes: Vec<[u32; 2]> = views.iter().map(|view| view.size).collect();
         let (size, places) = arrange(&sizes)?;
@@ -148,7 +149,7 @@ fn arrange(sizes: &[[u32; 2]]) -> Option<([u32; 2], Vec<[u32; 2]>)> {
 fn chain(view: &BakedView, alpha_cutoff: f32) -> [Vec<Vec<u8>>; 2] {
     let [width, height] = view.size;
     let texture = Texture::new(width, height, view.colour.clone());
-    let mut colour = texture.map_or_else(Vec::new, |texture| texture.mips(alpha_cutoff));
+    let mut colour = texture.map_or_else(Vec::new, |texture| texture.mips(0.0));
     let mut level = Weighted::of(view);
     let mut normals = vec![view.normals.clone()];
     let mut weights = vec![level.weights()];
@@ -163,6 +164,7 @@ fn chain(view: &BakedView, alpha_cutoff: f32) -> [Vec<Vec<u8>>; 2] {
         |bytes, texel, _| bytes[4 * texel + 3] > 0,
         3,
     );
+    deal_out(&mut colour, view.size, alpha_cutoff);
     spread(
         &mut normals,
         view.size,

@@ -12,7 +12,7 @@ use super::triangles::LeafTriangles;
 use crate::gpu::{GpuError, Ledger};
 use crate::math::{Vec3, index_u32};
 use crate::plant::Foliage;
-use crate::scene::{CardOptions, CardOutline, CardSides};
+use crate::scene::{CardOptions, CardOutline, CardSides, Transparency};
 use crate::simplify::{
     LeafSite, Plane, PlaneHierarchy, PlaneOptions, PlaneSolver, cluster_planes, leaf_sites,
 };
@@ -74,7 +74,11 @@ impl ImpostorSet {
             views: baked,
             ledger,
         } = bake(&leaves, &views, BakeOptions { supersampling })?;
-        let atlas = Atlas::of(&baked, CARD_ALPHA_CUTOFF);
+        let cutoff = match options.transparency {
+            Transparency::Test => CARD_ALPHA_CUTOFF,
+            Transparency::Blend | Transparency::Coverage => 0.0,
+        };
+        let atlas = Atlas::of(&baked, cutoff);
         if atlas.is_none() && !baked.is_empty() {
             let (count, side) = (baked.len(), options.texture);
             let what = format!("{count} views of {side} × {side} texels, which fit no texture");

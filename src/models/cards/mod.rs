@@ -7,6 +7,7 @@
 //! **Invariant.** No light is baked in: what a card keeps is albedo, alpha, normal and depth.
 
 mod atlas;
+mod atlas_alpha;
 mod bake;
 mod bake_program;
 mod bake_resolve;
