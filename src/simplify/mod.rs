@@ -11,6 +11,8 @@
 //!              └─simplify_mesh──▶ SimplifiedMesh (both) ─parts─▶ kept elsewhere ─restored─▶ checked
 //! Plant.foliage ─leaf_sites─▶ LeafSite ─cluster_planes─▶ PlaneClusters ─▶ PlaneHierarchy
 //!   all with triangles          centre, normal             planes, leaf → plane    levels
+//! Plant.skeleton ──▶ BranchSequence ─at(ε)─▶ BranchLevel
+//!   and needles        errors of all merges    polygons, lines, how far they may be off
 //! ```
 //!
 //! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
@@ -18,6 +20,7 @@
 //! originals with their corner roles kept, or brings four of its own. A [`VertexCollapses`] moves vertices to vertices with higher
 //! numbers, so that what is gone is always a first part of them all.
 
+mod branches;
 mod clusters;
 mod leaves;
 mod measure;
@@ -28,6 +31,13 @@ mod published;
 mod sequence;
 mod storage;
 
+pub use branches::{
+    Attachment, BranchAxis, BranchErrors, BranchLevel, BranchMesh, BranchOptions, BranchRelevance,
+    BranchSequence, BranchSkeleton, BranchVertex, Caps, EdgeTable, Edges, Frame, FrameMethod,
+    Internode, LEAST_EDGES, LevelBound, LevelNodes, LineAlpha, LineNormals, Merge, MergeTable,
+    Needle, NeedleRadius, NeedleSequence, PolygonOptions, PrimitiveCounts, Shares, SkeletalVector,
+    TopologyOrder, WHOLE_MERGES, merge_deviation, moving_frames, permitted_error,
+};
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LEAF_COLLAPSE_VERSION, LeafCollapseOptions, LeafDistance, collapse_leaves};
 pub use measure::{LeafMeasure, is_folded, leaf_area, measure_leaves};

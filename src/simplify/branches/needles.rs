@@ -1,0 +1,419 @@
+//! Conifer needles: two that are alike become one, again and again, until one is left.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::octree::Octree;
+use crate::math::{Aabb, Vec3, det, index_u32};
+
+/// A needle: a thin cylinder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Needle {
+    /// Its base and its tip, in metres, world space.
+    pub ends: [Vec3; 2],
+    /// In metres.
+    pub radius: f32,
+}
+
+/// How thick a needle is that stands for two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NeedleRadius {
+    /// The mean of both, by how many needles they stand for: needles stay thin, and the crown loses
+    /// mass with every merge.
+    Mean,
+    /// So thick that length times radius is the sum of both's: the crown keeps its area.
+    Area,
+}
+
+/// All needles of a plant and all that they are merged into
+/// ([ZBMJLDC17](crate::references), section 5.5).
+///
+/// Two needles are the nearer the less the sum of
+/// - a quarter of their distance (the mean of that of their bases and that of their tips, or crosswise
+///   where that is less) by the diagonal of the box around all needles of their group,
+/// - a quarter of the angle between their lines by a right angle,
+/// - half of how many needles both stand for together (the paper's merging rank) by the group's count.
+///
+/// The weights are the paper's; that each part is divided by its greatest value is ours (the paper adds
+/// metres, degrees and counts). Always the nearest two of a group merge, of equals those with the least
+/// numbers; both ends of the new needle are means by rank.
+///
+/// A needle's *error* bounds how far its surface lies from that of every needle it stands for, in both
+/// directions: what it moved at each merge, added up. So an error `E5` is a cut through the trees of
+/// merges, and any is answered by looking once at each needle.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct NeedleSequence {
+    needles: Vec<Needle>,
+    ranks: Vec<u32>,
+    errors: Vec<f32>,
+    /// The error of what a needle is merged into; infinite for the last of a group.
+    until: Vec<f32>,
+    merges: Vec<[u32; 2]>,
+    originals: u32,
+}
+
+impl NeedleSequence {
+    /// Merges the needles of each group until one is left.
+    #[must_use]
+    pub fn of(groups: &[Vec<Needle>], radius: NeedleRadius) -> Self {
+        let needles: Vec<Needle> = groups.concat();
+        let count = needles.len();
+        let mut sequence = Self {
+            ranks: vec![1; count],
+            errors: vec![0.0; count],
+            until: vec![f32::INFINITY; count],
+            merges: Vec::with_capacity(count),
+            originals: index_u32(count),
+            needles,
+        };
+        let mut first = 0;
+        for group in groups {
+            sequence.merge_all(first..first + index_u32(group.len()), radius);
+            first += index_u32(group.len());
+        }
+        sequence
+    }
+
+    /// All needles: those of the plant, then one a merge.
+    #[must_use]
+    pub fn needles(&self) -> &[Needle] {
+        &self.needles
+    }
+
+    /// How many the plant has.
+    #[must_use]
+    pub fn original_count(&self) -> u32 {
+        self.originals
+    }
+
+    /// The two needles of every merge, in order; the `m`-th makes needle `original_count + m`.
+    #[must_use]
+    pub fn merges(&self) -> &[[u32; 2]] {
+        &self.merges
+    }
+
+    /// How many needles of the plant each stands for.
+    #[must_use]
+    pub fn ranks(&self) -> &[u32] {
+        &self.ranks
+    }
+
+    /// How far each may lie from those it stands for, in metres.
+    #[must_use]
+    pub fn errors(&self) -> &[f32] {
+        &self.errors
+    }
+
+    /// The needles of a level with the error `E5`, in metres: each needle of the plant is stood for by
+    /// exactly one of them.
+    pub fn at(&self, error: f32) -> impl Iterator<Item = u32> {
+        let error = if error.is_nan() { 0.0 } else { error };
+        let error = error.clamp(0.0, f32::MAX);
+        let ways = self.errors.iter().zip(&self.until);
+        (0..)
+            .zip(ways)
+            .filter(move |(_, (own, until))| **own <= error && error < **until)
+            .map(|(needle, _)| needle)
+    }
+
+    fn merge_all(&mut self, group: std::ops::Range<u32>, radius: NeedleRadius) {
+        let count = group.len();
+        let ends = self.needles[group.start as usize..group.end as usize].iter();
+        let bounds = Aabb::of(ends.flat_map(|needle| needle.ends));
+        let mut merging = Merging {
+            tree: Octree::new(bounds),
+            per_metre: 0.25 / bounds.size().length().max(f32::MIN_POSITIVE),
+            per_rank: 0.5 / count as f32,
+            heap: BinaryHeap::with_capacity(2 * count),
+            gone: vec![false; self.needles.len() + count],
+        };
+        for needle in group.clone() {
+            merging
+                .tree
+                .insert(needle, self.needles[needle as usize].middle());
+        }
+        for needle in group {
+            merging.look(self, needle);
+        }
+        while let Some(Reverse((_, one, other))) = merging.heap.pop() {
+            if merging.gone[one as usize] {
+                continue;
+            }
+            if merging.gone[other as usize] {
+                // Its nearest is no more: look again.
+                merging.look(self, one);
+                continue;
+            }
+            let pair = [one.min(other), one.max(other)];
+            for old in pair {
+                merging.gone[old as usize] = true;
+                merging
+                    .tree
+                    .remove(old, self.needles[old as usize].middle());
+            }
+            let new = self.merge(pair, radius);
+            if merging.gone.len() <= new as usize {
+                merging.gone.resize(new as usize + 1, false);
+            }
+            merging.gone[new as usize] = false;
+            merging
+                .tree
+                .insert(new, self.needles[new as usize].middle());
+            merging.look(self, new);
+        }
+    }
+
+    /// Appends the needle that stands for two.
+    fn merge(&mut self, pair: [u32; 2], radius: NeedleRadius) -> u32 {
+        let [one, mut other] = pair.map(|old| self.needles[old as usize]);
+        if one.is_crosswise(&other) {
+            other.ends.reverse();
+        }
+        let [first, second] = pair.map(|old| self.ranks[old as usize]);
+        let share = second as f32 / (first + second) as f32;
+        let ends = [0, 1].map(|end: usize| {
+            let way = other.ends[end] - one.ends[end];
+            one.ends[end] + share * way
+        });
+        let mean = one.radius + share * (other.radius - one.radius);
+        let new = Needle {
+            ends,
+            radius: match radius {
+                NeedleRadius::Mean => mean,
+                NeedleRadius::Area => {
+                    let area = one.length() * one.radius + other.length() * other.radius;
+                    let length = ends[0].distance(ends[1]);
+                    if length > 0.0 { area / length } else { mean }
+                }
+            },
+        };
+        let error = pair
+            .iter()
+            .zip([one, other])
+            .fold(0.0, |most: f32, (&old, needle)| {
+                most.max(self.errors[old as usize] + needle.deviation(&new))
+            });
+        for old in pair {
+            self.until[old as usize] = error;
+        }
+        self.needles.push(new);
+        self.ranks.push(first + second);
+        self.errors.push(error);
+        self.until.push(f32::INFINITY);
+        self.merges.push(pair);
+        index_u32(self.needles.len() - 1)
+    }
+}
+
+/// What greedy merging knows of one group.
+struct Merging {
+    tree: Octree,
+    per_metre: f32,
+    per_rank: f32,
+    /// The nearest of each needle when it last looked: the value's bits, which sort as it does, and
+    /// both numbers. The nearest two of all are always there: the later born of them found it.
+    heap: BinaryHeap<Reverse<(u32, u32, u32)>>,
+    gone: Vec<bool>,
+}
+
+impl Merging {
+    /// Finds the nearest of a needle.
+    fn look(&mut self, all: &NeedleSequence, number: u32) {
+        let needle = all.needles[number as usize];
+        let (line, rank) = (needle.direction(), all.ranks[number as usize]);
+        let (per_metre, per_rank) = (self.per_metre, self.per_rank);
+        let bound = |distance: f32| per_metre * distance + per_rank * (rank + 1) as f32;
+        let value = |other: u32, worst: f32| {
+            if other == number {
+                return None;
+            }
+            let candidate = &all.needles[other as usize];
+            let ranks = (rank + all.ranks[other as usize]) as f32;
+            let near = per_metre * needle.distance(candidate) + per_rank * ranks;
+            let cosine = line.dot(candidate.direction()).abs().min(1.0);
+            // A chord is no longer than its arc: cheap, and refuses most.
+            let chord = (2.0 - 2.0 * cosine).max(0.0).sqrt();
+            if near + PER_RADIAN * chord > worst {
+                return None;
+            }
+            Some(near + PER_RADIAN * det::acos(cosine))
+        };
+        if let Some((found, other)) = self.tree.nearest(needle.middle(), bound, value) {
+            self.heap.push(Reverse((found.to_bits(), number, other)));
+        }
+    }
+}
+
+/// A quarter by a right angle.
+const PER_RADIAN: f32 = 0.25 / std::f32::consts::FRAC_PI_2;
+
+impl Needle {
+    fn middle(&self) -> Vec3 {
+        0.5 * (self.ends[0] + self.ends[1])
+    }
+
+    /// In metres.
+    pub(super) fn length(&self) -> f32 {
+        self.ends[0].distance(self.ends[1])
+    }
+
+    /// From base to tip; +Y for one without length.
+    pub(super) fn direction(&self) -> Vec3 {
+        (self.ends[1] - self.ends[0]).normalize_or(Vec3::Y)
+    }
+
+    /// The mean distances of ends, straight and crosswise.
+    fn distances(&self, other: &Self) -> [f32; 2] {
+        let [base, tip] = self.ends;
+        let [other_base, other_tip] = other.ends;
+        [
+            0.5 * (base.distance(other_base) + tip.distance(other_tip)),
+            0.5 * (base.distance(other_tip) + tip.distance(other_base)),
+        ]
+    }
+
+    fn distance(&self, other: &Self) -> f32 {
+        let [straight, crosswise] = self.distances(other);
+        straight.min(crosswise)
+    }
+
+    fn is_crosswise(&self, other: &Self) -> bool {
+        let [straight, crosswise] = self.distances(other);
+        crosswise < straight
+    }
+
+    /// How far the surface of a needle lies from another's whose ends belong to its own: what the ends
+    /// move, what the radius changes, and what the circles around them turn.
+    fn deviation(&self, other: &Self) -> f32 {
+        let moved = |end: usize| self.ends[end].distance(other.ends[end]);
+        let turned = (self.direction() - other.direction()).length();
+        moved(0).max(moved(1))
+            + (self.radius - other.radius).abs()
+            + self.radius.min(other.radius) * turned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Draws, Stream};
+
+    fn needle(x: f32, tilt: f32) -> Needle {
+        Needle {
+            ends: [Vec3::X * x, Vec3::new(x + tilt, 1.0, 0.0)],
+            radius: 0.125,
+        }
+    }
+
+    fn random(count: usize, draws: &mut Draws) -> Vec<Needle> {
+        let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
+        (0..count)
+            .map(|_| {
+                let base = vector();
+                Needle {
+                    ends: [base, base + 0.1 * vector()],
+                    radius: 0.001,
+                }
+            })
+            .collect()
+    }
+
+    /// ```text
+    ///   │││      │     a and b are nearest, then both with c
+    ///   ab c     d
+    /// ```
+    #[test]
+    fn the_nearest_merge_first_and_ranks_weigh() {
+        let needles = vec![
+            needle(0.0, 0.0),
+            needle(0.25, 0.0),
+            needle(1.0, 0.0),
+            needle(9.0, 0.0),
+        ];
+        let sequence = NeedleSequence::of(&[needles], NeedleRadius::Mean);
+        // c and d both stand for one, {a, b} for two: 0.25 · 8 / 9.06 + 0.5 · 2 / 4 = 0.47 is more
+        // than 0.25 · 0.875 / 9.06 + 0.5 · 3 / 4 = 0.40.
+        assert_eq!(sequence.merges(), [[0, 1], [2, 4], [3, 5]]);
+        assert_eq!(sequence.ranks(), [1, 1, 1, 1, 2, 3, 4]);
+        let middle = sequence.needles()[5].ends[0].x;
+        assert!((middle - 1.25 / 3.0).abs() < 1e-6, "{middle}");
+        assert_eq!(sequence.errors()[4], 0.125);
+        let at = |error| sequence.at(error).collect::<Vec<u32>>();
+        assert_eq!(at(0.0), [0, 1, 2, 3]);
+        assert_eq!(at(0.125), [2, 3, 4]);
+        assert_eq!(at(f32::INFINITY), [6]);
+        assert_eq!(at(f32::NAN), at(0.0));
+    }
+
+    #[test]
+    fn needles_that_point_the_other_way_are_alike() {
+        let mut turned = needle(0.1, 0.0);
+        turned.ends.reverse();
+        let sequence = NeedleSequence::of(&[vec![needle(0.0, 0.0), turned]], NeedleRadius::Area);
+        let merged = sequence.needles()[2];
+        assert!((merged.length() - 1.0).abs() < 1e-6);
+        // Area is kept: twice as thick.
+        assert!((merged.radius - 0.25).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_octree_finds_what_looking_at_all_pairs_finds() {
+        let mut draws = Stream::new(9, 0).draws();
+        for count in [2, 3, 10, 60] {
+            let needles = random(count, &mut draws);
+            let sequence = NeedleSequence::of(std::slice::from_ref(&needles), NeedleRadius::Area);
+            assert_eq!(sequence.merges(), by_hand(&needles));
+        }
+    }
+
+    /// The same merges with a look at every pair.
+    fn by_hand(needles: &[Needle]) -> Vec<[u32; 2]> {
+        let mut all = NeedleSequence::of(&[], NeedleRadius::Area);
+        all.needles = needles.to_vec();
+        all.ranks = vec![1; needles.len()];
+        all.errors = vec![0.0; needles.len()];
+        all.until = vec![0.0; needles.len()];
+        let bounds = Aabb::of(needles.iter().flat_map(|needle| needle.ends));
+        let (per_metre, per_rank) = (0.25 / bounds.size().length(), 0.5 / needles.len() as f32);
+        let mut left: Vec<u32> = (0..index_u32(needles.len())).collect();
+        while left.len() > 1 {
+            let mut best: Option<(f32, [u32; 2])> = None;
+            for (place, &one) in left.iter().enumerate() {
+                for &other in &left[place + 1..] {
+                    let [a, b] = [one, other].map(|number| all.needles[number as usize]);
+                    let ranks = all.ranks[one as usize] + all.ranks[other as usize];
+                    let cosine = a.direction().dot(b.direction()).abs().min(1.0);
+                    let value = per_metre * a.distance(&b)
+                        + per_rank * ranks as f32
+                        + PER_RADIAN * det::acos(cosine);
+                    if best.is_none_or(|best| value < best.0) {
+                        best = Some((value, [one, other]));
+                    }
+                }
+            }
+            let (_, pair) = best.expect("two are left");
+            left.retain(|number| !pair.contains(number));
+            left.push(all.merge(pair, NeedleRadius::Area));
+        }
+        all.merges
+    }
+
+    #[test]
+    fn every_needle_is_stood_for_once_within_its_error() {
+        let mut draws = Stream::new(4, 0).draws();
+        let groups = [random(40, &mut draws), Vec::new(), random(1, &mut draws)];
+        for radius in [NeedleRadius::Mean, NeedleRadius::Area] {
+            let sequence = NeedleSequence::of(&groups, radius);
+            assert_eq!(sequence.merges().len(), 39);
+            let mut last = usize::MAX;
+            for error in [0.0, 0.05, 0.1, 0.3, 1.0, 10.0] {
+                let level: Vec<u32> = sequence.at(error).collect();
+                assert!(level.len() <= last);
+                last = level.len();
+                let stood_for: u32 = level.iter().map(|&n| sequence.ranks()[n as usize]).sum();
+                assert_eq!(stood_for, 41);
+            }
+            assert_eq!(last, 2);
+        }
+    }
+}
