@@ -1,5 +1,6 @@
 //! Tests of the library through its public face.
 
+mod branches;
 mod bus_bytes;
 mod bytes;
 mod card_rivals;

@@ -45,3 +45,6 @@ pub use sequence::{BranchLevel, BranchOptions, BranchSequence, LevelBound, Level
 pub use shares::{BranchErrors, Shares, permitted_error};
 pub use skeletal::{Attachment, BranchAxis, BranchSkeleton, SkeletalVector};
 pub use topology::TopologyOrder;
+
+#[cfg(test)]
+mod tests;

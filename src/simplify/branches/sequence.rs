@@ -29,8 +29,7 @@ pub struct BranchOptions {
 }
 
 impl BranchOptions {
-    /// What the paper says, and for what it leaves open a third of half a turn of torsion and 32
-    /// edges.
+    /// What the paper says; where it leaves numbers open, 60° of torsion and 32 edges.
     pub const PAPER: Self = Self {
         frames: FrameMethod::Projection,
         torsion_limit: std::f32::consts::FRAC_PI_3,
@@ -49,7 +48,7 @@ impl BranchOptions {
         torsion_limit: std::f32::consts::FRAC_PI_3,
         needle_radius: NeedleRadius::Area,
         polygons: PolygonOptions {
-            most_edges: 32,
+            most_edges: 64,
             line_alpha: LineAlpha::Coverage { pixel_error: 0.5 },
             line_normals: LineNormals::One,
             caps: Caps::Tip,
