@@ -35,8 +35,9 @@ pub use branches::{
     Attachment, BranchAxis, BranchErrors, BranchLevel, BranchMesh, BranchOptions, BranchRelevance,
     BranchSequence, BranchSkeleton, BranchVertex, Caps, EdgeTable, Edges, Frame, FrameMethod,
     Internode, LEAST_EDGES, LevelBound, LevelNodes, LineAlpha, LineNormals, Merge, MergeTable,
-    Needle, NeedleRadius, NeedleSequence, PolygonOptions, PrimitiveCounts, Shares, SkeletalVector,
-    TopologyOrder, WHOLE_MERGES, merge_deviation, moving_frames, permitted_error,
+    Needle, NeedleOptions, NeedleRadius, NeedleSequence, NeedleUnit, PolygonOptions,
+    PrimitiveCounts, Shares, SkeletalVector, TopologyOrder, WHOLE_MERGES, merge_deviation,
+    moving_frames, permitted_error,
 };
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LEAF_COLLAPSE_VERSION, LeafCollapseOptions, LeafDistance, collapse_leaves};

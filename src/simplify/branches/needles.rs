@@ -1,10 +1,9 @@
 //! Conifer needles: two that are alike become one, again and again, until one is left.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::ops::Range;
 
-use super::octree::Octree;
-use crate::math::{Aabb, Vec3, det, index_u32};
+use super::nearest_needles::NearestNeedles;
+use crate::math::{Vec3, index_u32};
 
 /// A needle: a thin cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,17 +24,37 @@ pub enum NeedleRadius {
     Area,
 }
 
+/// What a needle's distance from another is measured by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NeedleUnit {
+    /// The diagonal of the box around all needles of the group: every part of the measure is at most its
+    /// weight, and needles that are parallel merge across the crown.
+    Crown,
+    /// The mean length of the group's needles: a needle away is as bad as a right angle, and what is
+    /// near merges first.
+    Needle,
+}
+
+/// How needles merge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NeedleOptions {
+    /// How thick a merged needle is.
+    pub radius: NeedleRadius,
+    /// What distances are measured by.
+    pub unit: NeedleUnit,
+}
+
 /// All needles of a plant and all that they are merged into
 /// ([ZBMJLDC17](crate::references), section 5.5).
 ///
 /// Two needles are the nearer the less the sum of
 /// - a quarter of their distance (the mean of that of their bases and that of their tips, or crosswise
-///   where that is less) by the diagonal of the box around all needles of their group,
+///   where that is less) by a [unit](NeedleUnit),
 /// - a quarter of the angle between their lines by a right angle,
 /// - half of how many needles both stand for together (the paper's merging rank) by the group's count.
 ///
-/// The weights are the paper's; that each part is divided by its greatest value is ours (the paper adds
-/// metres, degrees and counts). Always the nearest two of a group merge, of equals those with the least
+/// The weights are the paper's; what each part is divided by is ours (the paper adds metres, degrees and
+/// counts). Always the nearest two of a group merge, of equals those with the least
 /// numbers; both ends of the new needle are means by rank.
 ///
 /// A needle's *error* bounds how far its surface lies from that of every needle it stands for, in both
@@ -55,7 +74,7 @@ pub struct NeedleSequence {
 impl NeedleSequence {
     /// Merges the needles of each group until one is left.
     #[must_use]
-    pub fn of(groups: &[Vec<Needle>], radius: NeedleRadius) -> Self {
+    pub fn of(groups: &[Vec<Needle>], options: NeedleOptions) -> Self {
         let needles: Vec<Needle> = groups.concat();
         let count = needles.len();
         let mut sequence = Self {
@@ -68,7 +87,7 @@ impl NeedleSequence {
         };
         let mut first = 0;
         for group in groups {
-            sequence.merge_all(first..first + index_u32(group.len()), radius);
+            sequence.merge_all(first..first + index_u32(group.len()), options);
             first += index_u32(group.len());
         }
         sequence
@@ -116,50 +135,11 @@ impl NeedleSequence {
             .map(|(needle, _)| needle)
     }
 
-    fn merge_all(&mut self, group: std::ops::Range<u32>, radius: NeedleRadius) {
-        let count = group.len();
-        let ends = self.needles[group.start as usize..group.end as usize].iter();
-        let bounds = Aabb::of(ends.flat_map(|needle| needle.ends));
-        let mut merging = Merging {
-            tree: Octree::new(bounds),
-            per_metre: 0.25 / bounds.size().length().max(f32::MIN_POSITIVE),
-            per_rank: 0.5 / count as f32,
-            heap: BinaryHeap::with_capacity(2 * count),
-            gone: vec![false; self.needles.len() + count],
-        };
-        for needle in group.clone() {
-            merging
-                .tree
-                .insert(needle, self.needles[needle as usize].middle());
-        }
-        for needle in group {
-            merging.look(self, needle);
-        }
-        while let Some(Reverse((_, one, other))) = merging.heap.pop() {
-            if merging.gone[one as usize] {
-                continue;
-            }
-            if merging.gone[other as usize] {
-                // Its nearest is no more: look again.
-                merging.look(self, one);
-                continue;
-            }
-            let pair = [one.min(other), one.max(other)];
-            for old in pair {
-                merging.gone[old as usize] = true;
-                merging
-                    .tree
-                    .remove(old, self.needles[old as usize].middle());
-            }
-            let new = self.merge(pair, radius);
-            if merging.gone.len() <= new as usize {
-                merging.gone.resize(new as usize + 1, false);
-            }
-            merging.gone[new as usize] = false;
-            merging
-                .tree
-                .insert(new, self.needles[new as usize].middle());
-            merging.look(self, new);
+    fn merge_all(&mut self, group: Range<u32>, options: NeedleOptions) {
+        let mut nearest = NearestNeedles::of(self, group, options.unit);
+        while let Some(pair) = nearest.next_pair(self) {
+            let new = self.merge(pair, options.radius);
+            nearest.add(self, new);
         }
     }
 
@@ -205,50 +185,8 @@ impl NeedleSequence {
     }
 }
 
-/// What greedy merging knows of one group.
-struct Merging {
-    tree: Octree,
-    per_metre: f32,
-    per_rank: f32,
-    /// The nearest of each needle when it last looked: the value's bits, which sort as it does, and
-    /// both numbers. The nearest two of all are always there: the later born of them found it.
-    heap: BinaryHeap<Reverse<(u32, u32, u32)>>,
-    gone: Vec<bool>,
-}
-
-impl Merging {
-    /// Finds the nearest of a needle.
-    fn look(&mut self, all: &NeedleSequence, number: u32) {
-        let needle = all.needles[number as usize];
-        let (line, rank) = (needle.direction(), all.ranks[number as usize]);
-        let (per_metre, per_rank) = (self.per_metre, self.per_rank);
-        let bound = |distance: f32| per_metre * distance + per_rank * (rank + 1) as f32;
-        let value = |other: u32, worst: f32| {
-            if other == number {
-                return None;
-            }
-            let candidate = &all.needles[other as usize];
-            let ranks = (rank + all.ranks[other as usize]) as f32;
-            let near = per_metre * needle.distance(candidate) + per_rank * ranks;
-            let cosine = line.dot(candidate.direction()).abs().min(1.0);
-            // A chord is no longer than its arc: cheap, and refuses most.
-            let chord = (2.0 - 2.0 * cosine).max(0.0).sqrt();
-            if near + PER_RADIAN * chord > worst {
-                return None;
-            }
-            Some(near + PER_RADIAN * det::acos(cosine))
-        };
-        if let Some((found, other)) = self.tree.nearest(needle.middle(), bound, value) {
-            self.heap.push(Reverse((found.to_bits(), number, other)));
-        }
-    }
-}
-
-/// A quarter by a right angle.
-const PER_RADIAN: f32 = 0.25 / std::f32::consts::FRAC_PI_2;
-
 impl Needle {
-    fn middle(&self) -> Vec3 {
+    pub(super) fn middle(&self) -> Vec3 {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
@@ -272,7 +210,7 @@ impl Needle {
         ]
     }
 
-    fn distance(&self, other: &Self) -> f32 {
+    pub(super) fn distance(&self, other: &Self) -> f32 {
         let [straight, crosswise] = self.distances(other);
         straight.min(crosswise)
     }
@@ -295,8 +233,18 @@ impl Needle {
 
 #[cfg(test)]
 mod tests {
+    use super::super::nearest_needles::PER_RADIAN;
     use super::*;
-    use crate::math::{Draws, Stream};
+    use crate::math::{Draws, Stream, det};
+
+    const MEAN: NeedleOptions = NeedleOptions {
+        radius: NeedleRadius::Mean,
+        unit: NeedleUnit::Crown,
+    };
+    const AREA: NeedleOptions = NeedleOptions {
+        radius: NeedleRadius::Area,
+        unit: NeedleUnit::Needle,
+    };
 
     fn needle(x: f32, tilt: f32) -> Needle {
         Needle {
@@ -330,7 +278,7 @@ mod tests {
             needle(1.0, 0.0),
             needle(9.0, 0.0),
         ];
-        let sequence = NeedleSequence::of(&[needles], NeedleRadius::Mean);
+        let sequence = NeedleSequence::of(&[needles], MEAN);
         // c and d both stand for one, {a, b} for two: 0.25 · 8 / 9.06 + 0.5 · 2 / 4 = 0.47 is more
         // than 0.25 · 0.875 / 9.06 + 0.5 · 3 / 4 = 0.40.
         assert_eq!(sequence.merges(), [[0, 1], [2, 4], [3, 5]]);
@@ -349,7 +297,7 @@ mod tests {
     fn needles_that_point_the_other_way_are_alike() {
         let mut turned = needle(0.1, 0.0);
         turned.ends.reverse();
-        let sequence = NeedleSequence::of(&[vec![needle(0.0, 0.0), turned]], NeedleRadius::Area);
+        let sequence = NeedleSequence::of(&[vec![needle(0.0, 0.0), turned]], AREA);
         let merged = sequence.needles()[2];
         assert!((merged.length() - 1.0).abs() < 1e-6);
         // Area is kept: twice as thick.
@@ -361,20 +309,23 @@ mod tests {
         let mut draws = Stream::new(9, 0).draws();
         for count in [2, 3, 10, 60] {
             let needles = random(count, &mut draws);
-            let sequence = NeedleSequence::of(std::slice::from_ref(&needles), NeedleRadius::Area);
+            let sequence = NeedleSequence::of(std::slice::from_ref(&needles), AREA);
             assert_eq!(sequence.merges(), by_hand(&needles));
         }
     }
 
     /// The same merges with a look at every pair.
     fn by_hand(needles: &[Needle]) -> Vec<[u32; 2]> {
-        let mut all = NeedleSequence::of(&[], NeedleRadius::Area);
+        let mut all = NeedleSequence::of(&[], AREA);
         all.needles = needles.to_vec();
         all.ranks = vec![1; needles.len()];
         all.errors = vec![0.0; needles.len()];
         all.until = vec![0.0; needles.len()];
-        let bounds = Aabb::of(needles.iter().flat_map(|needle| needle.ends));
-        let (per_metre, per_rank) = (0.25 / bounds.size().length(), 0.5 / needles.len() as f32);
+        let lengths = needles
+            .iter()
+            .fold(0.0, |sum, needle| sum + needle.length());
+        let count = needles.len() as f32;
+        let (per_metre, per_rank) = (0.25 / (lengths / count), 0.5 / count);
         let mut left: Vec<u32> = (0..index_u32(needles.len())).collect();
         while left.len() > 1 {
             let mut best: Option<(f32, [u32; 2])> = None;
@@ -393,7 +344,7 @@ mod tests {
             }
             let (_, pair) = best.expect("two are left");
             left.retain(|number| !pair.contains(number));
-            left.push(all.merge(pair, NeedleRadius::Area));
+            left.push(all.merge(pair, AREA.radius));
         }
         all.merges
     }
@@ -402,8 +353,8 @@ mod tests {
     fn every_needle_is_stood_for_once_within_its_error() {
         let mut draws = Stream::new(4, 0).draws();
         let groups = [random(40, &mut draws), Vec::new(), random(1, &mut draws)];
-        for radius in [NeedleRadius::Mean, NeedleRadius::Area] {
-            let sequence = NeedleSequence::of(&groups, radius);
+        for options in [MEAN, AREA] {
+            let sequence = NeedleSequence::of(&groups, options);
             assert_eq!(sequence.merges().len(), 39);
             let mut last = usize::MAX;
             for error in [0.0, 0.05, 0.1, 0.3, 1.0, 10.0] {

@@ -117,7 +117,8 @@ impl Octree {
 
     /// The point of the least value, with it; of equals that with the least number.
     ///
-    /// `value` may refuse a point; `bound` tells what no point as far away as that is below.
+    /// `value` may refuse a point that is not below the best so far, which it is told; `bound` tells
+    /// what no point as far away as that is below.
     pub(super) fn nearest(
         &self,
         point: Vec3,

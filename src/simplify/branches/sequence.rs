@@ -3,7 +3,7 @@
 use super::frame::{FrameMethod, upright_frame};
 use super::merges::MergeTable;
 use super::mesh::{BranchMesh, PrimitiveCounts};
-use super::needles::{Needle, NeedleRadius, NeedleSequence};
+use super::needles::{Needle, NeedleOptions, NeedleRadius, NeedleSequence, NeedleUnit};
 use super::polygons::{Caps, LineAlpha, LineNormals, PolygonNode, PolygonOptions, Polygonizer};
 use super::polygons::{Polygons, Worst};
 use super::relevance::BranchRelevance;
@@ -22,8 +22,8 @@ pub struct BranchOptions {
     /// `Γ`, in radians: how far both ends of a merge may lean from it together. The paper gives no
     /// value.
     pub torsion_limit: f32,
-    /// How thick merged needles are.
-    pub needle_radius: NeedleRadius,
+    /// How needles merge.
+    pub needles: NeedleOptions,
     /// How nodes become primitives.
     pub polygons: PolygonOptions,
 }
@@ -33,7 +33,10 @@ impl BranchOptions {
     pub const PAPER: Self = Self {
         frames: FrameMethod::Projection,
         torsion_limit: std::f32::consts::FRAC_PI_3,
-        needle_radius: NeedleRadius::Mean,
+        needles: NeedleOptions {
+            radius: NeedleRadius::Mean,
+            unit: NeedleUnit::Crown,
+        },
         polygons: PolygonOptions {
             most_edges: 32,
             line_alpha: LineAlpha::Paper,
@@ -42,11 +45,15 @@ impl BranchOptions {
         },
     };
 
-    /// Frames that do not twist, lines as opaque as what they cover, needles that keep their area.
+    /// Frames that do not twist, lines as opaque as what they cover, needles that keep their area
+    /// and merge with what is near.
     pub const SOUND: Self = Self {
         frames: FrameMethod::DoubleReflection,
         torsion_limit: std::f32::consts::FRAC_PI_3,
-        needle_radius: NeedleRadius::Area,
+        needles: NeedleOptions {
+            radius: NeedleRadius::Area,
+            unit: NeedleUnit::Needle,
+        },
         polygons: PolygonOptions {
             most_edges: 64,
             line_alpha: LineAlpha::Coverage { pixel_error: 0.5 },
@@ -153,7 +160,7 @@ impl BranchSequence {
         Self {
             merges: MergeTable::of(&skeleton, options.torsion_limit),
             topology: TopologyOrder::of(&skeleton),
-            needles: NeedleSequence::of(needles, options.needle_radius),
+            needles: NeedleSequence::of(needles, options.needles),
             polygons: Polygons::new(options.polygons),
             bounds: Aabb::of(wood.chain(leaves.flatten())),
             skeleton,
