@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::{FaceLeaves, LeafErrors, State};
 use crate::math::{Aabb, Vec3, index_u32};
 use crate::plant::Plant;
-use crate::simplify::{Clusters, CollapseSequence, measure_leaves};
+use crate::simplify::{Clusters, CollapseSequence, PlaneLevel, measure_leaves};
 
 /// The quad leaves of a plant with their collapses, and its leaves of several faces; shared by all models
 /// of it.
@@ -21,6 +21,7 @@ pub struct Crown {
     faces: FaceLeaves,
     errors: OnceLock<LeafErrors>,
     mean_leaf_area: OnceLock<f64>,
+    planes: Option<PlaneLevel>,
 }
 
 impl Crown {
@@ -62,7 +63,24 @@ impl Crown {
             faces,
             errors: OnceLock::new(),
             mean_leaf_area: OnceLock::new(),
+            planes: None,
         }
+    }
+
+    /// The same where the leaves are known to lie in these planes: impostors, if as many are asked for,
+    /// stand there and need not look for them.
+    #[must_use]
+    pub fn in_planes(self, planes: PlaneLevel) -> Self {
+        Self {
+            planes: Some(planes),
+            ..self
+        }
+    }
+
+    /// The planes that leaves are [known to lie in](Self::in_planes).
+    #[must_use]
+    pub fn planes(&self) -> Option<&PlaneLevel> {
+        self.planes.as_ref()
     }
 
     /// The plant.

@@ -68,6 +68,7 @@ mod viewpoint;
 
 use std::sync::Arc;
 
+pub use cards::LeafMapFacts;
 pub use crown::Crown;
 pub use environment::{Camera, Environment, Placement, View};
 pub use errors::LeafErrors;
@@ -123,6 +124,11 @@ pub trait Model: Send + Sync + std::fmt::Debug {
 
     /// What it cost to bake its textures on a device of its own, offline; `None` where none are baked.
     fn baked(&self) -> Option<&Ledger> {
+        None
+    }
+
+    /// What its leaf distribution maps hold; `None` where there are none.
+    fn leaf_maps(&self) -> Option<LeafMapFacts> {
         None
     }
 

@@ -13,8 +13,9 @@ use crate::models::{Crown, Placement, Trunk};
 use crate::plant::{Foliage, Mesh, Plant};
 use crate::scene::{CardOptions, ModelName, PlantSource, Scene, Simplifier, Tree};
 use crate::simplify::{
-    CollapseSequence, LeafCollapseOptions, PlaneLevel, PlaneOptions, PlaneSolver, PruningOptions,
-    cluster_planes, collapse_leaves, flattened, leaf_sites, prune_leaves,
+    CollapseSequence, LeafCollapseOptions, LeafSite, PlaneClusters, PlaneHierarchy, PlaneLevel,
+    PlaneOptions, PlaneSolver, PruningOptions, cluster_planes, collapse_leaves, flattened,
+    leaf_sites, prune_leaves,
 };
 
 /// The plants of a scene and where they stand.
@@ -163,10 +164,29 @@ impl World {
     /// as the finest level of cards has; none of their leaves collapse.
     #[must_use]
     pub fn flattened(&self, cards: &CardOptions) -> Self {
+        self.flattened_into(|plant| finest_planes(plant, cards))
+    }
+
+    /// The same for another level of cards, 0 being the finest, or the coarsest that there is.
+    #[must_use]
+    pub fn flattened_at(&self, cards: &CardOptions, level: usize) -> Self {
+        let counts = cards.levels.as_slice();
+        match counts.get(level).or(counts.last()) {
+            Some(&count) if level > 0 => self.flattened_into(|plant| {
+                let sites = leaf_sites(plant.foliage());
+                let finest = finest_clusters(&sites, cards);
+                PlaneHierarchy::of(&sites, &finest, cards.orientation_weight).level(count)
+            }),
+            _ => self.flattened(cards),
+        }
+    }
+
+    fn flattened_into(&self, planes: impl Fn(&Plant) -> PlaneLevel) -> Self {
         let crown = |crown: &Arc<Crown>| {
             let plant = crown.plant();
-            let level = finest_planes(plant, cards);
-            Arc::new(with_foliage(plant, flattened(plant.foliage(), &level)))
+            let level = planes(plant);
+            let flat = with_foliage(plant, flattened(plant.foliage(), &level));
+            Arc::new(flat.in_planes(level))
         };
         Self {
             crowns: self.crowns.iter().map(crown).collect(),
@@ -193,13 +213,17 @@ impl World {
 
 /// The planes that cards of a plant stand in at their finest level.
 pub(super) fn finest_planes(plant: &Plant, cards: &CardOptions) -> PlaneLevel {
+    finest_clusters(&leaf_sites(plant.foliage()), cards).into()
+}
+
+fn finest_clusters(sites: &[LeafSite], cards: &CardOptions) -> PlaneClusters {
     let options = PlaneOptions {
         count: cards.levels.as_slice()[0],
         orientation_weight: cards.orientation_weight,
         seeds: cards.plane_seeds,
         solver: PlaneSolver::Jacobi,
     };
-    cluster_planes(&leaf_sites(plant.foliage()), &options).into()
+    cluster_planes(sites, &options)
 }
 
 /// The crown of a plant with other leaves, none of which collapse.

@@ -77,7 +77,7 @@ pub struct CardOptions {
     pub sides: CardSides,
     /// The sides of a leaf distribution map, in texels.
     pub map: u32,
-    /// How many leaves a texel of it has room for.
+    /// How many leaves a texel of it may have: each costs a read.
     pub layers: u32,
     /// How many turned pictures of a leaf there are.
     pub sprites: u32,

@@ -189,6 +189,8 @@ fn impostors_take_and_send_what_they_say() {
             "leaf planes",
             "sprite places",
             "leaf maps",
+            "leaf lists",
+            "leaf squares",
             "card colours",
             "card normals",
             "card level",

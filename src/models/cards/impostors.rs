@@ -45,7 +45,7 @@ pub(in crate::models) struct Impostors {
 impl Impostors {
     /// Clusters leaves and bakes their textures.
     pub(in crate::models) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
-        let set = ImpostorSet::of(crown.plant().foliage(), &options.cards);
+        let set = ImpostorSet::of(&crown, &options.cards);
         Self {
             crown,
             program: ImpostorProgram {

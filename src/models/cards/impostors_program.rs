@@ -10,7 +10,7 @@ use super::atlas::AtlasCell;
 use super::impostors_fragment::impostor_fragment;
 use super::impostors_outline::{MOST_CORNERS, Outline, OutlineCorner};
 use super::impostors_set::Impostor;
-use super::indirect_fragment::{IndirectFragment, MAP_SLOT, SPRITE_SLOT};
+use super::indirect_fragment::{IndirectFragment, LEAF_SLOT, SPRITE_SLOT};
 use crate::gpu::{
     Bindings, Blend, Geometry, Hulls, Kernel, Layout, Program, Topology, Transform, VertexCall,
     Words,
@@ -213,7 +213,7 @@ impl Program for ImpostorProgram {
     fn layout(&self) -> Layout {
         let [storage_slots, texture_slots] = match self.textures {
             ImpostorTextures::Direct => [LEVEL_SLOT + 1, NORMAL_SLOT + 1],
-            ImpostorTextures::Indirect => [SPRITE_SLOT + 1, MAP_SLOT + 1],
+            ImpostorTextures::Indirect => [SPRITE_SLOT + 1, LEAF_SLOT + 1],
         };
         Layout {
             name: match self.textures {

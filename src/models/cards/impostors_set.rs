@@ -11,10 +11,10 @@ use super::impostors_outline::{Outline, rectangle_outline, trimmed_outline};
 use super::triangles::LeafTriangles;
 use crate::gpu::{GpuError, Ledger};
 use crate::math::{Vec3, index_u32};
-use crate::plant::Foliage;
+use crate::models::Crown;
 use crate::scene::{CardOptions, CardOutline, CardSides, Transparency};
 use crate::simplify::{
-    LeafSite, Plane, PlaneHierarchy, PlaneOptions, PlaneSolver, cluster_planes, leaf_sites,
+    Plane, PlaneClusters, PlaneHierarchy, PlaneOptions, PlaneSolver, cluster_planes, leaf_sites,
 };
 
 /// Alpha from which a texel of a card shows.
@@ -65,9 +65,9 @@ impl ImpostorSet {
     /// # Errors
     ///
     /// [`GpuError`] where views do not fit the device of the bake, or not one texture together.
-    pub(super) fn of(foliage: &Foliage, options: &CardOptions) -> Result<Self, GpuError> {
-        let leaves = LeafTriangles::of(foliage);
-        let impostors = planned(&leaf_sites(foliage), &leaves, options);
+    pub(super) fn of(crown: &Crown, options: &CardOptions) -> Result<Self, GpuError> {
+        let leaves = LeafTriangles::of(crown.plant().foliage());
+        let impostors = planned(crown, &leaves, options);
         let views = views(&impostors, options);
         let supersampling = SUPERSAMPLING;
         let Bake {
@@ -111,9 +111,10 @@ pub(super) fn counts(impostors: &[Impostor], levels: u32) -> Vec<u32> {
 }
 
 /// The impostors of every level: K-means makes the finest, merging the others
-/// ([GSS05](crate::references), § 2.1, 2.2 and 2.4).
+/// ([GSS05](crate::references), § 2.1, 2.2 and 2.4). Leaves that are known to lie in as many planes as the
+/// finest level has stand there.
 pub(super) fn planned(
-    sites: &[LeafSite],
+    crown: &Crown,
     leaves: &LeafTriangles,
     options: &CardOptions,
 ) -> Vec<Impostor> {
@@ -122,16 +123,28 @@ pub(super) fn planned(
     let Some(&finest) = counts.first() else {
         return Vec::new();
     };
-    let clusters = cluster_planes(
-        sites,
-        &PlaneOptions {
-            count: finest,
-            orientation_weight: weight,
-            seeds: options.plane_seeds,
-            solver: PlaneSolver::Jacobi,
+    let sites = leaf_sites(crown.plant().foliage());
+    let known = crown.planes().filter(|level| {
+        let wanted = sites.len().min(finest as usize);
+        level.planes.len() == wanted && level.cluster_of_site.len() == sites.len()
+    });
+    let clusters = match known {
+        Some(level) => PlaneClusters {
+            planes: level.planes.clone(),
+            cluster_of_site: level.cluster_of_site.clone(),
+            errors: Vec::new(),
         },
-    );
-    let hierarchy = PlaneHierarchy::of(sites, &clusters, weight);
+        None => cluster_planes(
+            &sites,
+            &PlaneOptions {
+                count: finest,
+                orientation_weight: weight,
+                seeds: options.plane_seeds,
+                solver: PlaneSolver::Jacobi,
+            },
+        ),
+    };
+    let hierarchy = PlaneHierarchy::of(&sites, &clusters, weight);
     let levels: Vec<_> = counts.iter().map(|&count| hierarchy.level(count)).collect();
     let mut impostors = Vec::new();
     for (number, level) in (0_u32..).zip(&levels) {

@@ -3,11 +3,11 @@
 //!
 //! ```text
 //! direct     a texture of all leaves, front and back       ─read─▶ colour
-//! indirect   map ─read─▶ which leaf, where ─▶ sprites       ─read─▶ colour
+//! indirect   map ─read─▶ which leaves, where ─▶ sprites     ─read─▶ colour
 //! ```
 //!
 //! **Invariant.** Every leaf is in the map wherever it shows: where a texel would have more leaves than
-//! there are layers, uploading is refused with the number that it takes.
+//! there is room for, uploading is refused with the number that it takes.
 
 use std::sync::Arc;
 
@@ -20,9 +20,12 @@ use super::impostors_program::{
 };
 use super::impostors_set::{CARD_ALPHA_CUTOFF, Impostor, SUPERSAMPLING, counts, planned};
 use super::indirect_fragment::{
-    LEAF_PLANE_SLOT, MAP_SLOT, SPRITE_SLOT, leaf_plane_bytes, leaf_plane_size, sprite_bytes,
+    LEAF_PLANE_SLOT, LEAF_SLOT, LIST_SLOT, MAP_SLOT, SPRITE_SLOT, leaf_plane_bytes,
+    leaf_plane_size, sprite_bytes,
 };
-use super::indirect_map::{LeafMap, MapSheet, corners, leaf_map};
+use super::indirect_map::{
+    FloatTexels, LeafMap, LeafMapFacts, MOST_ENTRIES, MapSheet, corners, leaf_map,
+};
 use super::indirect_sprites::{SpriteTurns, in_frame, leaf_shapes};
 use super::triangles::LeafTriangles;
 use crate::gpu::{Cause, Device, GpuError, Ledger, Step, TextureDescriptor, TextureFormat, Usage};
@@ -31,14 +34,12 @@ use crate::models::surface::filled;
 use crate::models::{
     CardLevel, Crown, Environment, Kind, Model, ModelOptions, Shared, State, Storage,
 };
-use crate::plant::Foliage;
 use crate::scene::{CardDepth, CardOptions, CardOutline, Transparency};
-use crate::simplify::leaf_sites;
 
 /// The model of impostors with indirect textures.
 ///
 /// Host memory: none once all is sent. Device memory: a record and a leaf plane an impostor, the sprites'
-/// places, a texture of floats with all maps, and two of sprites with all their levels, colours and
+/// places, textures of floats with all maps, their lists and leaves, and two of sprites with all their levels, colours and
 /// normals; an instance has its level, 4 bytes.
 #[derive(Debug, Clone)]
 pub(in crate::models) struct IndirectImpostors {
@@ -55,6 +56,7 @@ struct Parts {
     maps: Vec<LeafMap>,
     sheet: MapSheet,
     map_side: u32,
+    facts: LeafMapFacts,
     sprites: Option<Atlas>,
     ledger: Ledger,
 }
@@ -63,7 +65,7 @@ impl IndirectImpostors {
     /// Clusters leaves, finds where each lies, and bakes sprites. Of the options those of a picture each
     /// mean nothing here: outline, depth, transparency, texture.
     pub(in crate::models) fn new(crown: Arc<Crown>, options: ModelOptions) -> Self {
-        let parts = Parts::of(crown.plant().foliage(), &options.cards);
+        let parts = Parts::of(&crown, &options.cards);
         Self {
             crown,
             program: ImpostorProgram {
@@ -80,16 +82,33 @@ impl IndirectImpostors {
 }
 
 impl Parts {
-    fn of(foliage: &Foliage, options: &CardOptions) -> Result<Self, GpuError> {
-        let leaves = LeafTriangles::of(foliage);
-        let impostors = planned(&leaf_sites(foliage), &leaves, options);
+    fn of(crown: &Crown, options: &CardOptions) -> Result<Self, GpuError> {
+        let leaves = LeafTriangles::of(crown.plant().foliage());
+        let impostors = planned(crown, &leaves, options);
         let shapes = leaf_shapes(&leaves);
         let turns = SpriteTurns::new(options.sprites);
-        let maps: Vec<LeafMap> = impostors
-            .iter()
-            .map(|impostor| leaf_map(impostor, &shapes, &turns, options))
-            .collect();
-        let most = maps.iter().map(|map| map.most).max().unwrap_or(0);
+        if index_u32(impostors.len()) > MapSheet::room(options.map) {
+            let (count, side) = (impostors.len(), options.map);
+            let what = format!("{count} maps of {side} × {side} texels, which fit no texture");
+            return Err(GpuError::Unsupported { what });
+        }
+        let mut maps: Vec<LeafMap> = Vec::with_capacity(impostors.len());
+        let mut room = MOST_ENTRIES;
+        for impostor in &impostors {
+            let map = leaf_map(impostor, (&shapes, &turns), options, room);
+            let map = map.ok_or_else(|| {
+                let side = options.map;
+                let what = format!(
+                    "leaf distribution maps of {side} × {side} texels with more than {MOST_ENTRIES} \
+                     leaves in all their texels together"
+                );
+                GpuError::Unsupported { what }
+            })?;
+            room -= map.entries;
+            maps.push(map);
+        }
+        let facts = LeafMapFacts::of(&maps);
+        let most = facts.most_leaves;
         if most > options.layers {
             let (side, layers) = (options.map, options.layers);
             let what = format!(
@@ -116,6 +135,7 @@ impl Parts {
         Ok(Self {
             sheet: MapSheet::of(&maps, options.map),
             map_side: options.map,
+            facts,
             impostors,
             maps,
             sprites,
@@ -148,7 +168,9 @@ impl Parts {
         4 * (ImpostorRecord::WORDS * self.impostors.len()) as u64
             + leaf_plane_size(self.impostors.len())
             + 8 * sprites.cells.len() as u64
-            + self.sheet.bytes.len() as u64
+            + self.sheet.map.byte_count()
+            + self.sheet.list.byte_count()
+            + self.sheet.leaves.byte_count()
             + sprites.bytes()
     }
 
@@ -182,21 +204,28 @@ impl Parts {
             steps.push(Step::Storage { slot, buffer });
         }
         let [colour, normal] = upload_atlas(device, sprites)?;
-        let map = device.create_texture(&TextureDescriptor {
-            label: "leaf maps",
-            format: TextureFormat::Float32,
-            width: self.sheet.size[0],
-            height: self.sheet.size[1],
-            levels: 1,
-        })?;
         let cause = Cause::of("texture");
-        device
-            .queue()
-            .write_texture(map, 0, &self.sheet.bytes, cause)?;
+        let mut send = |label, texels: &FloatTexels| {
+            let texture = device.create_texture(&TextureDescriptor {
+                label,
+                format: TextureFormat::Float32,
+                width: texels.size[0],
+                height: texels.size[1],
+                levels: 1,
+            })?;
+            let bytes = texels.bytes();
+            device.queue().write_texture(texture, 0, &bytes, cause)?;
+            Ok::<_, GpuError>(texture)
+        };
+        let map = send("leaf maps", &self.sheet.map)?;
+        let list = send("leaf lists", &self.sheet.list)?;
+        let leaves = send("leaf squares", &self.sheet.leaves)?;
         for (slot, texture) in [
             (COLOUR_SLOT, colour),
             (NORMAL_SLOT, normal),
             (MAP_SLOT, map),
+            (LIST_SLOT, list),
+            (LEAF_SLOT, leaves),
         ] {
             steps.push(Step::Texture { slot, texture });
         }
@@ -245,6 +274,10 @@ impl Model for IndirectImpostors {
             instance_bytes: LEVEL_BYTES,
             instance_host_bytes: State::Cards(CardLevel::FINEST).host_bytes(),
         }
+    }
+
+    fn leaf_maps(&self) -> Option<LeafMapFacts> {
+        self.parts.as_ref().ok().map(|parts| parts.facts)
     }
 
     fn baked(&self) -> Option<&Ledger> {

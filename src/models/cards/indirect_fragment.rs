@@ -1,5 +1,5 @@
-//! The fragment stage of impostors with leaf distribution maps: two reads in turn, the second where the
-//! first says ([GSS05](crate::references), § 2.3).
+//! The fragment stage of impostors with leaf distribution maps: reads in turn, each where the one before
+//! says ([GSS05](crate::references), § 2.3).
 
 use super::impostors_set::CARD_ALPHA_CUTOFF;
 use super::indirect_map::{LeafPlane, MapSheet};
@@ -14,14 +14,18 @@ pub(super) const LEAF_PLANE_SLOT: u32 = 4;
 pub(super) const SPRITE_SLOT: u32 = 5;
 /// The slot of the maps' texture, after those of the sprites' colours and normals.
 pub(super) const MAP_SLOT: u32 = 2;
+/// The slot of the texture of their lists.
+pub(super) const LIST_SLOT: u32 = 3;
+/// The slot of the texture of their leaves.
+pub(super) const LEAF_SLOT: u32 = 4;
 
 /// What the fragment stage reads beside textures.
 ///
 /// | words | field       | type      | unit, space |
 /// |------:|-------------|-----------|-------------|
 /// | 0     | `side`      | `u32`     | texels of a map's side |
-/// | 1     | `layers`    | `u32`     | |
-/// | 2     | `columns`   | `u32`     | tiles a row of the maps' texture |
+/// | 1     | `usual`     | `u32`     | leaves of a texel that has some, in the mean |
+/// | 2     | `columns`   | `u32`     | maps a row of their texture |
 /// | 3     | –           | 0         | |
 /// | 4–5   | `cell`      | 2 × `f32` | sides of a sprite's cell, texture |
 /// | 6–7   | –           | 0         | |
@@ -34,7 +38,7 @@ pub(super) fn leaf_plane_bytes(
     (sheet, side): (&MapSheet, u32),
     cell: Vec2,
 ) -> Vec<u8> {
-    let mut words = vec![side, sheet.layers, sheet.columns, 0];
+    let mut words = vec![side, sheet.usual_count, sheet.columns, 0];
     words.extend([cell.x.to_bits(), cell.y.to_bits(), 0, 0]);
     for plane in planes {
         let right = plane.frame.right.extend(plane.square.x);
@@ -54,12 +58,14 @@ pub(super) struct IndirectFragment<'a> {
     planes: Words<'a>,
     sprites: Words<'a>,
     side: u32,
-    layers: u32,
+    usual_count: u32,
     columns: u32,
     cell: Vec2,
     colour: Option<&'a MipMap>,
     normal: Option<&'a MipMap>,
     map: Option<&'a MipMap>,
+    list: Option<&'a MipMap>,
+    leaves: Option<&'a MipMap>,
     sides: CardSides,
     lighting: Lighting<'a>,
 }
@@ -77,17 +83,19 @@ impl<'a> IndirectFragment<'a> {
         let storage = |slot: u32| bindings.storage(slot as usize);
         let texture = |slot: u32| bindings.texture(slot as usize);
         let planes = storage(LEAF_PLANE_SLOT);
-        let [side, layers, columns] = planes.u32s(0);
+        let [side, usual_count, columns] = planes.u32s(0);
         Self {
             planes,
             sprites: storage(SPRITE_SLOT),
             side,
-            layers,
+            usual_count,
             columns: columns.max(1),
             cell: Vec2::from_array(planes.f32s(4)),
             colour: texture(0),
             normal: texture(1),
             map: texture(MAP_SLOT),
+            list: texture(LIST_SLOT),
+            leaves: texture(LEAF_SLOT),
             sides,
             lighting: Lighting::of(bindings),
         }
@@ -101,36 +109,28 @@ impl<'a> IndirectFragment<'a> {
     /// The leaf that shows: the first in the list of the pixel's texel that is opaque there.
     fn found(&self, pixel: &Pixel<'_>) -> Option<Found> {
         let (map, colour) = self.map.zip(self.colour)?;
+        let (list, leaves) = self.list.zip(self.leaves)?;
         let number = Self::number(pixel);
         let first = HEAD_WORDS + PLANE_WORDS * number as usize;
         let usual = Vec2::new(self.planes.f32(first + 3), self.planes.f32(first + 7));
         let coordinate = Vec2::new(pixel.varyings[0], pixel.varyings[1]);
         let side = self.side;
-        let texel = |at: f32| {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "the conversion saturates"
-            )]
-            let texel = (at * side as f32).max(0.0) as u32;
-            texel.min(side.saturating_sub(1))
-        };
-        let [x, y] = [coordinate.x, coordinate.y].map(texel);
+        let [x, y] = [coordinate.x, coordinate.y]
+            .map(|at| whole(at * side as f32).min(side.saturating_sub(1)));
+        let [column, row] = [number % self.columns, number / self.columns];
+        let texel = map.texel(0, column * side + x, row * side + y);
+        let [begin, count] = [texel.x, texel.y].map(whole);
         let backwards = !pixel.front && self.sides == CardSides::Both;
-        for step in 0..self.layers {
-            let layer = if backwards {
-                self.layers - 1 - step
-            } else {
-                step
-            };
-            let tile = number * self.layers + layer;
-            let [column, row] = [tile % self.columns, tile / self.columns];
-            let entry = map.texel(0, column * side + x, row * side + y);
-            if entry.x < 0.0 {
-                continue;
-            }
-            let square = usual * entry.w;
-            let within = (coordinate - Vec2::new(entry.x, entry.y)) / square;
+        let at = |texels: &MipMap, number: u32| {
+            let (width, _) = texels.level_size(0);
+            texels.texel(0, number % width, number / width)
+        };
+        for step in 0..count {
+            let entry = begin + if backwards { count - 1 - step } else { step };
+            let leaf = at(list, entry / 4)[entry as usize % 4];
+            let leaf = at(leaves, whole(leaf));
+            let square = usual * leaf.w;
+            let within = (coordinate - Vec2::new(leaf.x, leaf.y)) / square;
             if within.cmplt(Vec2::ZERO).any() || within.cmpgt(Vec2::ONE).any() {
                 continue;
             }
@@ -138,12 +138,7 @@ impl<'a> IndirectFragment<'a> {
             let level = colour.level_for(pixel.derivative_x * scale, pixel.derivative_y * scale);
             let (width, height) = colour.level_size(level);
             let half = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "the conversion saturates"
-            )]
-            let sprite = entry.z as usize;
+            let sprite = whole(leaf.z) as usize;
             let least = Vec2::from_array(self.sprites.f32s(2 * sprite));
             let at = least + within * self.cell;
             let at = at.max(least + half).min(least + self.cell - half);
@@ -165,9 +160,11 @@ impl Fragment for IndirectFragment<'_> {
         self.found(pixel).is_some()
     }
 
-    /// As if all layers held a leaf: of each its texel, and four of its sprite.
+    /// As if every texel had leaves, as many as those that have some in the mean, and all were asked: of
+    /// the map one, of the list one for four leaves, then of each leaf its own and four of its sprite.
     fn texels_tested(&self) -> u64 {
-        5 * u64::from(self.layers)
+        let count = u64::from(self.usual_count);
+        1 + count.div_ceil(4) + 5 * count
     }
 
     fn texels_shaded(&self) -> u64 {
@@ -190,6 +187,17 @@ impl Fragment for IndirectFragment<'_> {
         let toward = normal.dot(to_light).max(0.0);
         (albedo * self.lighting.at(toward, pixel)).extend(1.0)
     }
+}
+
+/// The whole part of a number, 0 of one below.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the conversion saturates"
+)]
+#[inline(always)]
+fn whole(value: f32) -> u32 {
+    value as u32
 }
 
 /// Where each sprite lies: the upper left corner of its cell, two floats each.

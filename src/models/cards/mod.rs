@@ -32,4 +32,5 @@ mod triangles;
 
 pub(super) use impostors::Impostors;
 pub(super) use indirect::IndirectImpostors;
+pub use indirect_map::LeafMapFacts;
 pub(super) use rivals::{Rival, RivalForm};
