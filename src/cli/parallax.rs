@@ -7,23 +7,19 @@ use super::error::CliError;
 use super::prepare::Prepared;
 use super::run::folder;
 use super::terminal::Terminal;
-use crate::models::{CardLevel, Crown, Kind, State, level};
+use crate::models::{CardLevel, Crown, Kind, ModelOptions, State, level};
 use crate::raster::Counters;
 use crate::report::{OutputFolder, parallax_json, parallax_text, write_parallax};
-use crate::run::{self, ParallaxSubject, SessionOptions};
+use crate::run::{self, ParallaxSubject, SessionOptions, World};
+use crate::scene::{CardOptions, Transparency};
 
 pub(super) fn parallax(
     options: &ParallaxOptions,
     shared: &Shared,
     terminal: &Terminal,
 ) -> Result<(), CliError> {
-    let asked: Vec<Asked> = match options.models.as_slice() {
-        [] => usual(),
-        labels => labels
-            .iter()
-            .map(|label| Asked::named(label))
-            .collect::<Result<_, _>>()?,
-    };
+    let asked = options.models.iter().map(|label| Asked::named(label));
+    let asked = asked.collect::<Result<Vec<Asked>, CliError>>()?;
     let progress = terminal.progress();
     let prepared = Prepared::new(
         &options.scene,
@@ -42,11 +38,30 @@ pub(super) fn parallax(
         ..run::ParallaxOptions::usual()
     };
     let mut plants = Vec::new();
-    for crown in &prepared.world.crowns {
-        let subjects: Vec<ParallaxSubject> = asked
-            .iter()
-            .map(|asked| asked.subject(crown, &prepared.options))
-            .collect();
+    let cards = &prepared.options.model.cards;
+    // Leaves in the planes of each level of impostors, which those are held against.
+    let flattened: Vec<(u32, World)> = match asked.as_slice() {
+        [] => (0..)
+            .zip(cards.levels.as_slice())
+            .map(|(level, &count)| (count, prepared.world.flattened_at(cards, level)))
+            .collect(),
+        _ => Vec::new(),
+    };
+    for (number, crown) in prepared.world.crowns.iter().enumerate() {
+        let mut subjects: Vec<ParallaxSubject> = match asked.as_slice() {
+            [] => usual(crown, &prepared.options),
+            asked => asked
+                .iter()
+                .map(|asked| asked.subject(crown, &prepared.options))
+                .collect(),
+        };
+        subjects.extend(flattened.iter().map(|(count, world)| ParallaxSubject {
+            label: format!("flattened-{count}"),
+            kind: Kind::Full,
+            model: prepared.options.model,
+            state: State::FINEST,
+            crown: Some(Arc::clone(&world.crowns[number])),
+        }));
         let model = prepared.options.model;
         plants.push(run::parallax(crown, &subjects, model, &wanted, &progress)?);
     }
@@ -72,15 +87,30 @@ struct Asked {
     level: u32,
 }
 
-/// What is measured where nothing is asked for: half and a tenth of the leaves, and all cards.
-fn usual() -> Vec<Asked> {
-    let leaves = [50, 90].map(|level| Asked {
-        kind: Kind::LodfStamps,
-        level,
-    });
-    let cards = Kind::ALL.into_iter().filter(|kind| !kind.shows_leaves());
-    let cards = cards.map(|kind| Asked { kind, level: 0 });
-    leaves.into_iter().chain(cards).collect()
+/// What is measured where nothing is asked for: where leaves collapse half and nine tenths of the way to
+/// the coarsest; impostors at each of their levels; and whatever else has cards.
+fn usual(crown: &Crown, session: &SessionOptions) -> Vec<ParallaxSubject> {
+    let levels: &[u32] = match crown.sequence().collapse_count() {
+        0 => &[],
+        _ => &[50, 90],
+    };
+    let asked = |kind: Kind, level: u32| Asked { kind, level };
+    let leaves = levels.iter().map(|&level| asked(Kind::LodfStamps, level));
+    let mut subjects: Vec<ParallaxSubject> = leaves
+        .map(|leaves| leaves.subject(crown, session))
+        .collect();
+    // Indirect textures lie where direct ones do.
+    let kind = Kind::Impostors;
+    for (level, count) in (0..).zip(session.model.cards.levels.as_slice()) {
+        subjects.push(ParallaxSubject {
+            label: format!("{}-{count}", kind.label()),
+            state: State::Cards(CardLevel(level * CardLevel::STEPS)),
+            ..asked(kind, 0).subject(crown, session)
+        });
+    }
+    let rivals = Kind::RIVALS.map(|kind| asked(kind, 0).subject(crown, session));
+    subjects.extend(rivals);
+    subjects
 }
 
 impl Asked {
@@ -100,7 +130,7 @@ impl Asked {
         Ok(Self { kind, level })
     }
 
-    fn subject(self, crown: &Arc<Crown>, session: &SessionOptions) -> ParallaxSubject {
+    fn subject(self, crown: &Crown, session: &SessionOptions) -> ParallaxSubject {
         let label = self.kind.label();
         ParallaxSubject {
             label: match (self.kind.has_levels(), self.level) {
@@ -108,7 +138,17 @@ impl Asked {
                 _ => label,
             },
             kind: self.kind,
-            model: session.model,
+            model: ModelOptions {
+                cards: CardOptions {
+                    // What is blended has no one surface whose flow could be told.
+                    transparency: match session.model.cards.transparency {
+                        Transparency::Blend => Transparency::Test,
+                        other => other,
+                    },
+                    ..session.model.cards
+                },
+                ..session.model
+            },
             state: match (self.kind.shows_leaves(), self.kind.has_levels()) {
                 (true, true) => level(crown, self.level, 100),
                 (true, false) => State::FINEST,

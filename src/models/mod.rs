@@ -132,16 +132,17 @@ pub trait Model: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Where a point of what is drawn under a key lies once the viewer has moved, in the plant's space:
-    /// `point` is where it shows from `from`, hidden or not. `None` where that piece of the model is gone.
+    /// Where a point of what is drawn in a state under a key lies once the viewer has moved from the
+    /// first place to the second, in the plant's space: `point` is where it shows at first, hidden or not
+    /// then. `None` where that piece of the model is gone.
     ///
     /// Leaves stay where they are, and so does whatever does not look at the viewer.
     fn carried(
         &self,
+        _state: &State,
         _key: Key,
         point: DVec3,
-        _from: &Viewpoint,
-        _to: &Viewpoint,
+        _views: [&Viewpoint; 2],
     ) -> Option<DVec3> {
         Some(point)
     }

@@ -86,6 +86,18 @@ pub struct ParallaxSubject {
     pub crown: Option<Arc<Crown>>,
 }
 
+impl ParallaxSubject {
+    /// Whether both are levels of one model.
+    fn is_of(&self, other: &Self) -> bool {
+        let same_crown = match (&self.crown, &other.crown) {
+            (None, None) => true,
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (None, Some(_)) | (Some(_), None) => false,
+        };
+        self.kind == other.kind && self.model == other.model && same_crown
+    }
+}
+
 /// What one subject did from one distance, over all steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParallaxMeasure {
@@ -188,9 +200,16 @@ pub fn parallax(
         crown: None,
     };
     let mut original = Scope::new(crown, &original, options)?;
-    let scopes = subjects.iter();
-    let scopes = scopes.map(|subject| Scope::new(crown, subject, options));
-    let mut scopes = scopes.collect::<Result<Vec<_>, RunError>>()?;
+    // Levels of one model are shown on one device.
+    let mut scopes: Vec<(&ParallaxSubject, Scope)> = Vec::new();
+    let mut scope_of: Vec<usize> = Vec::new();
+    for subject in subjects {
+        let known = scopes.iter().position(|(known, _)| known.is_of(subject));
+        if known.is_none() {
+            scopes.push((subject, Scope::new(crown, subject, options)?));
+        }
+        scope_of.push(known.unwrap_or(scopes.len() - 1));
+    }
     let mut scales = Vec::new();
     let mut measures: Vec<Vec<ParallaxMeasure>> = vec![Vec::new(); subjects.len()];
     // One distance after another, so that the original's flow is kept for one only.
@@ -217,7 +236,9 @@ pub fn parallax(
             most: steps.first().map_or(0.0, |step| step.most),
             flow: middle(&truth, options),
         });
-        for ((subject, scope), measures) in subjects.iter().zip(&mut scopes).zip(&mut measures) {
+        for ((subject, &scope), measures) in subjects.iter().zip(&scope_of).zip(&mut measures) {
+            let (_, scope) = &mut scopes[scope];
+            scope.show(&subject.state)?;
             let found = flows(scope)?;
             let mut sum = Comparison::default();
             for (truth, found) in truth.iter().zip(&found) {
@@ -408,6 +429,11 @@ impl Scope {
         })
     }
 
+    fn show(&mut self, state: &State) -> Result<(), RunError> {
+        self.resident.commit(&mut self.device.queue(), state)?;
+        Ok(())
+    }
+
     fn flow(&mut self, step: &Step) -> Result<FlowPicture, RunError> {
         let view = View {
             clip_from_world: step.views[0].clip_from_plant,
@@ -433,12 +459,13 @@ impl Scope {
         // Nobody asks what it cost.
         self.device.take_ledger();
         let target = self.device.inspect_target(self.target)?;
-        Ok(flow_of(target, self.model.as_ref(), step))
+        let (model, state) = (self.model.as_ref(), self.resident.state());
+        Ok(flow_of(target, model, state, step))
     }
 }
 
 /// The flow at each pixel of a picture.
-fn flow_of(target: &Target, model: &dyn Model, step: &Step) -> FlowPicture {
+fn flow_of(target: &Target, model: &dyn Model, state: &State, step: &Step) -> FlowPicture {
     let side = target.width();
     let [from, to] = step.views;
     let clip_from_plant = [from, to].map(|view| wide(view.clip_from_plant));
@@ -464,7 +491,7 @@ fn flow_of(target: &Target, model: &dyn Model, step: &Step) -> FlowPicture {
         let depth = f64::from(target.depth(x, y));
         let point = plant_from_clip * DVec4::new(at.x, -at.y, depth, 1.0);
         let point = point.truncate() / point.w;
-        match model.carried(key, point, &from, &to) {
+        match model.carried(state, key, point, [&from, &to]) {
             None => FlowPixel::Gone,
             Some(point) => {
                 let flow = pixel_of(&clip_from_plant[1], point) - here;

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use spinney::math::{Vec3, det};
-use spinney::models::{Crown, Kind, State};
+use spinney::models::{CardLevel, Crown, Kind, ModelOptions, State};
 use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype};
 use spinney::report::{parallax_json, parallax_table, parallax_text};
 use spinney::run::{
     FlowPixel, Parallax, ParallaxDistance, ParallaxOptions, ParallaxSubject, Silent, crown,
     parallax,
 };
+use spinney::scene::{CardCounts, CardOptions};
 
 use crate::support::{OPTIONS, random_crown, with_faces};
 
@@ -100,6 +101,49 @@ fn a_leaf_behind_moves_less_by_the_pinhole_formula() {
     assert!(half.error.most < 1e-2, "it lies in the same plane");
     // The leaf's own centre is that of the foliage, beside which nothing moves.
     assert!(found.scales[0].parallax.most < 1e-2);
+}
+
+/// Two leaves, one behind the other: impostors lie where they do, pictures of both do not.
+#[test]
+fn impostors_move_as_their_leaves_and_pictures_of_the_whole_do_not() {
+    let [near, far] = [facing(1.0, -0.8), facing(1.6, 0.8)];
+    let groups = [near, far].map(|one| one.plant().foliage().groups[0].clone());
+    let foliage = Foliage {
+        groups: groups.into(),
+    };
+    let plant = Plant::new("leaves", None, None, foliage).expect("sound parts");
+    let both = Arc::new(crown(plant, None));
+    let subjects = Kind::ALL.into_iter().filter(|kind| !kind.shows_leaves());
+    let subjects: Vec<ParallaxSubject> = subjects
+        .map(|kind| ParallaxSubject {
+            model: ModelOptions {
+                cards: CardOptions {
+                    levels: CardCounts::new(&[2]).expect("one level"),
+                    texture: 64,
+                    ..CardOptions::USUAL
+                },
+                ..OPTIONS
+            },
+            ..subject(&kind.label(), kind, State::Cards(CardLevel::FINEST), None)
+        })
+        .collect();
+    let found = measured(&both, &subjects, 8);
+    let all = found.scales[0].parallax.mean;
+    assert!(all > 0.2, "{all}");
+    for measure in &found.measures {
+        let (label, error) = (&measure.label, measure.error.mean);
+        let lost = measure.missing as f64 / measure.pixels as f64;
+        if label.starts_with("impostors") {
+            assert!(
+                error < 0.05 * all && lost < 0.05,
+                "{label}: {error} of {all}, {lost} lost"
+            );
+        } else {
+            assert!(error > 0.5 * all, "{label}: {error} of {all}");
+        }
+        // One of eight steps holds a change of sprites.
+        assert!(label != "sprites-nearest" || lost > 0.1, "{lost}");
+    }
 }
 
 #[test]

@@ -12,22 +12,24 @@
 use std::sync::Arc;
 
 use super::atlas::Atlas;
+use super::eye::Eye;
 use super::impostors_program::{
     COLOUR_SLOT, IMPOSTOR_SLOT, ImpostorProgram, ImpostorRecord, ImpostorTextures, LEVEL_SLOT,
     NORMAL_SLOT,
 };
 use super::impostors_set::{Impostor, ImpostorSet, counts};
+use super::rival_carried::on_plane;
 use crate::gpu::{
-    BufferId, Cause, Corners, Device, Draw, GpuError, Ledger, Queue, Step, TextureDescriptor,
+    BufferId, Cause, Corners, Device, Draw, GpuError, Key, Ledger, Queue, Step, TextureDescriptor,
     TextureFormat, TextureId, Usage,
 };
-use crate::math::{Vec3, index_u32};
+use crate::math::{DVec3, Vec3, index_u32};
 use crate::models::surface::filled;
 use crate::models::{
     CARD_GROUP, CardLevel, Change, Crown, Environment, Kind, Model, ModelOptions, Resident, Shared,
-    State, Storage,
+    State, Storage, Viewpoint,
 };
-use crate::scene::Transparency;
+use crate::scene::{CardDepth, Transparency};
 
 /// The model of impostors with a texture each.
 ///
@@ -150,6 +152,29 @@ impl Model for Impostors {
             instance_bytes: LEVEL_BYTES + order,
             instance_host_bytes: State::Cards(CardLevel::FINEST).host_bytes() + 4 * blended,
         }
+    }
+
+    /// Texels stay where they are in their planes; what relief adds is what they hide.
+    fn carried(
+        &self,
+        state: &State,
+        key: Key,
+        point: DVec3,
+        [from, _]: [&Viewpoint; 2],
+    ) -> Option<DVec3> {
+        let (Ok(set), CardDepth::Relief) = (&self.set, self.program.depth) else {
+            return Some(point);
+        };
+        let impostor = set
+            .impostors
+            .get((key.vertex / 4 / self.program.quads()) as usize)?;
+        let coarsest = CardLevel::at_share(1.0, set.levels);
+        let [_, step] = level_of(state, coarsest).parts();
+        let share = step as f32 / CardLevel::STEPS as f32;
+        let plane = impostor.plane.between(&impostor.next, share);
+        let eye = Eye::of(&from.clip_from_plant);
+        let origin = plane.project(Vec3::ZERO).as_dvec3();
+        on_plane(eye, point, [origin, plane.normal.as_dvec3()])
     }
 
     fn baked(&self) -> Option<&Ledger> {

@@ -56,6 +56,18 @@ fn around(dome: Dome, eye: Eye, centre: DVec3) -> [(usize, f32); 3] {
     })
 }
 
+/// Where the ray from the viewer through a point meets the plane through another with a normal; nowhere
+/// where it runs within.
+pub(super) fn on_plane(eye: Eye, point: DVec3, [origin, normal]: [DVec3; 2]) -> Option<DVec3> {
+    let along = match eye {
+        Eye::At(eye) => eye.as_dvec3() - point,
+        Eye::Towards(toward) => toward.as_dvec3(),
+    };
+    let slope = along.dot(normal);
+    let met = point - along * ((point - origin).dot(normal) / slope);
+    (slope != 0.0).then_some(met)
+}
+
 /// A frame in `f64`.
 #[derive(Debug, Clone, Copy)]
 struct Axes {
@@ -77,13 +89,7 @@ impl Axes {
 
     /// Where the ray from the viewer through a point meets the plane through the origin.
     fn on_plane(&self, eye: Eye, point: DVec3) -> Option<DVec3> {
-        let along = match eye {
-            Eye::At(eye) => eye.as_dvec3() - point,
-            Eye::Towards(toward) => toward.as_dvec3(),
-        };
-        let slope = along.dot(self.toward);
-        let met = point - along * ((point - self.origin).dot(self.toward) / slope);
-        (slope != 0.0).then_some(met)
+        on_plane(eye, point, [self.origin, self.toward])
     }
 
     fn seen(&self, point: DVec3) -> [f64; 2] {

@@ -259,10 +259,15 @@ impl Model for Rival {
         self.pictures.as_ref().ok().map(|pictures| &pictures.ledger)
     }
 
-    fn carried(&self, key: Key, point: DVec3, from: &Viewpoint, to: &Viewpoint) -> Option<DVec3> {
+    fn carried(
+        &self,
+        _state: &State,
+        key: Key,
+        point: DVec3,
+        views: [&Viewpoint; 2],
+    ) -> Option<DVec3> {
         let pictures = self.pictures.as_ref().ok()?;
-        let viewpoints = [from, to];
-        carried(&pictures.cards, self.shape, key.vertex, point, viewpoints)
+        carried(&pictures.cards, self.shape, key.vertex, point, views)
     }
 }
 
