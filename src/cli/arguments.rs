@@ -217,6 +217,26 @@ pub(super) struct StandInArguments {
     /// Numbers of planes in which leaves are flattened and impostors stand
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "4,8,16,32,64,128", value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::limits::CARDS)))]
     pub(super) planes: Vec<u32>,
+    /// What is looked at
+    #[arg(
+        long,
+        value_enum,
+        value_name = "A,B,C",
+        value_delimiter = ',',
+        default_value = "looks,switches,textures"
+    )]
+    pub(super) parts: Vec<StandInPart>,
+}
+
+/// What `stand-ins` looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum StandInPart {
+    /// Cards against leaves, near and far, and what a frame takes
+    Looks,
+    /// What going over from one level of impostors to the next does to the picture
+    Switches,
+    /// Bytes of direct and indirect textures of impostors, at equal FLIP
+    Textures,
 }
 
 #[derive(Debug, Args)]

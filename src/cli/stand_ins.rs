@@ -1,7 +1,7 @@
 //! `spinney stand-ins`: what stands in for leaves, against leaves.
 
 use super::Verdict;
-use super::arguments::{Drawing, Shared, StandInArguments};
+use super::arguments::{Drawing, Shared, StandInArguments, StandInPart};
 use super::error::CliError;
 use super::prepare::Prepared;
 use super::run::folder;
@@ -11,7 +11,9 @@ use crate::raster::Counters;
 use crate::report::{
     OutputFolder, StandInHeader, StandInMeter, stand_in_json, stand_in_text, write_stand_ins,
 };
-use crate::run::{StandInOptions, ViewScale, stand_ins as look};
+use crate::run::{
+    StandInOptions, TextureSetting, ViewScale, level_switches, stand_ins as look, texture_looks,
+};
 use crate::scene::{ModelName, Projection};
 
 /// What a screen spans that a scene says nothing of, in degrees.
@@ -72,8 +74,24 @@ pub(super) fn stand_ins(
         field_of_view: asked.field_of_view,
         scales: asked.scales.clone(),
     });
-    let take = |found| -> Result<(), CliError> { Ok(meter.add(found)?) };
-    look(&prepared.world, &asked, &progress, take)?;
+    for part in &options.parts {
+        let world = &prepared.world;
+        match part {
+            StandInPart::Looks => {
+                let take = |found| -> Result<(), CliError> { Ok(meter.add(found)?) };
+                look(world, &asked, &progress, take)?;
+            }
+            StandInPart::Switches => {
+                let take = |found| -> Result<(), CliError> { Ok(meter.add_switch(found)?) };
+                level_switches(world, &asked, &progress, take)?;
+            }
+            StandInPart::Textures => {
+                let settings = TextureSetting::usual();
+                let take = |found| -> Result<(), CliError> { Ok(meter.add_textures(found)?) };
+                texture_looks(world, &settings, &asked, &progress, take)?;
+            }
+        }
+    }
     drop(progress);
     let report = meter.finish();
     write_stand_ins(&output, &report)?;

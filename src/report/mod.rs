@@ -67,9 +67,10 @@ pub use run::{
 pub use scatter::{Panel, Point, Scatter, Thing};
 pub use shard::{Merged, RunShare, SHARD_SCHEMA, SweepShare, merge, write_sweep_shard};
 pub use stand_ins::{
-    Crossover, STAND_IN_SCHEMA, StandInHeader, StandInMeter, StandInQuality, StandInReport,
-    crossover, stand_in_cost_table, stand_in_json, stand_in_notes, stand_in_plots, stand_in_table,
-    stand_in_text, write_stand_ins,
+    Crossover, EqualDirect, STAND_IN_SCHEMA, StandInHeader, StandInMeter, StandInQuality,
+    StandInReport, StepChange, SwitchQuality, TextureQuality, TextureReport, crossover,
+    equal_direct, stand_in_cost_table, stand_in_json, stand_in_notes, stand_in_plots,
+    stand_in_table, stand_in_text, switch_table, texture_table, write_stand_ins,
 };
 pub use storage::{
     Accounting, FaceCounts, LeafCounts, ModelStorage, PrintedSize, STORAGE_SCHEMA, StorageReport,

@@ -24,6 +24,8 @@ mod selector;
 mod session;
 mod shadow;
 mod shard;
+mod stand_in_switches;
+mod stand_in_textures;
 mod stand_ins;
 mod studio;
 mod sweep;
@@ -48,12 +50,16 @@ pub use popping::{PopMeter, Popping};
 pub use progress::{Progress, Silent};
 pub use session::{Owner, Session};
 pub use shard::Shard;
+pub use stand_in_switches::{SwitchLook, level_switches, switched_levels};
+pub use stand_in_textures::{
+    TextureCost, TextureFound, TextureLook, TextureSetting, texture_looks,
+};
 pub use stand_ins::{
     CURVE_VIEWS, ClusterLook, CurvePoint, Leaves, StandIn, StandInCost, StandInFound, StandInLook,
     StandInOptions, ViewScale, stand_ins,
 };
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
-pub use views::{Shot, VIEW_SIDE, Views, directions};
+pub use views::{Shot, VIEW_SIDE, Views, corner_directions, directions};
 pub use world::{StandingTree, World, crown};
 
 use crate::document::DocumentError;

@@ -372,7 +372,7 @@ fn look_at<E: From<RunError>>(
 }
 
 /// The sphere around all leaves, of whatever prototype.
-fn sphere_of(crown: &Crown) -> Sphere {
+pub(super) fn sphere_of(crown: &Crown) -> Sphere {
     let groups = crown.plant().foliage().groups.iter();
     let positions: Vec<Vec3> = groups
         .flat_map(|group| group.positions.iter().copied())
@@ -393,7 +393,7 @@ fn triangles(stand_in: StandIn, model: &dyn Model, studio: &Studio) -> u64 {
 /// A screen, of which only what the crown takes is drawn: so a picture's mean is over as much sky near
 /// and far, while pixels are as large as on the whole screen.
 #[derive(Debug, Clone, Copy)]
-struct Screen {
+pub(super) struct Screen {
     /// Rows.
     height: u32,
     /// Pixels in a metre at one metre.
@@ -402,7 +402,7 @@ struct Screen {
 }
 
 impl Screen {
-    fn new(options: &StandInOptions) -> Self {
+    pub(super) fn new(options: &StandInOptions) -> Self {
         let height = options.session.size.height();
         let half = 0.5 * options.field_of_view.to_radians();
         Self {
@@ -430,7 +430,12 @@ impl Screen {
     }
 
     /// A camera before a sphere that may turn around it.
-    fn camera(&self, model: &dyn Model, sphere: Sphere, before: f32) -> Result<Camera, RunError> {
+    pub(super) fn camera(
+        &self,
+        model: &dyn Model,
+        sphere: Sphere,
+        before: f32,
+    ) -> Result<Camera, RunError> {
         // What has no size is looked at all the same.
         let sphere = Sphere {
             radius: sphere.radius.max(1e-3),
@@ -451,16 +456,17 @@ impl Screen {
     }
 }
 
+/// What a screen shows of a model from a distance.
 #[derive(Debug)]
-struct Camera {
-    studio: Studio,
+pub(super) struct Camera {
+    pub(super) studio: Studio,
     sphere: Sphere,
     before: f32,
     tangent: f32,
 }
 
 impl Camera {
-    fn shot(&mut self, direction: Vec3) -> Result<(Shot, Ledger), RunError> {
+    pub(super) fn shot(&mut self, direction: Vec3) -> Result<(Shot, Ledger), RunError> {
         let view = look_from(direction, self.sphere, self.before, self.tangent);
         let (target, ledger) = self.studio.draw(view)?;
         Ok((Shot::of(target), ledger))

@@ -34,6 +34,15 @@ pub fn directions() -> Vec<Vec3> {
         .collect()
 }
 
+/// Those of the [directions] that go through the cube's eight corners: of each pair of opposite sides
+/// both, and of all planes both faces.
+#[must_use]
+pub fn corner_directions() -> Vec<Vec3> {
+    let mut corners = directions();
+    corners.retain(|direction| direction.to_array().iter().all(|&along| along != 0.0));
+    corners
+}
+
 /// A picture, and where leaves are in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shot {

@@ -1,23 +1,29 @@
 //! What stands in for leaves, held against them.
 
+use std::sync::Arc;
+
 use spinney::gpu::{Card, Link};
-use spinney::models::{Kind, Placement};
+use spinney::math::{Stream, Vec3};
+use spinney::models::{Crown, Kind, Placement};
+use spinney::plant::{Foliage, LeafGroup, Material, NO_BRANCH, Plant, Prototype};
 use spinney::raster::{Counters, Options, TileSize};
 use spinney::report::{
-    Crossover, OutputFolder, ReportError, STAND_IN_SCHEMA, Spread, StandInHeader, StandInMeter,
-    StandInReport, crossover, stand_in_json, write_stand_ins,
+    Crossover, EqualDirect, OutputFolder, ReportError, STAND_IN_SCHEMA, Spread, StandInHeader,
+    StandInMeter, StandInReport, crossover, equal_direct, stand_in_json, texture_table,
+    write_stand_ins,
 };
 use spinney::run::{
-    Leaves, SessionOptions, Silent, StandIn, StandInOptions, StandingTree, ViewScale, World,
-    stand_ins,
+    Leaves, SessionOptions, Silent, StandIn, StandInOptions, StandingTree, TextureSetting,
+    ViewScale, World, crown, level_switches, stand_ins, switched_levels, texture_looks,
 };
-use spinney::scene::ImageSize;
+use spinney::scene::{CardCounts, CardSides, ImageSize, SpriteScale};
 
 use crate::support::{birch_scene, random_crown};
 
 const LEAVES: u32 = 24;
 
-fn report(kinds: Vec<Kind>, counts: Vec<u32>) -> StandInReport {
+/// A crown, and how it is looked at.
+fn asked(kinds: Vec<Kind>, counts: Vec<u32>) -> (World, StandInOptions) {
     let tree = StandingTree {
         crown: 0,
         placement: Placement::IDENTITY,
@@ -40,7 +46,11 @@ fn report(kinds: Vec<Kind>, counts: Vec<u32>) -> StandInReport {
         session,
         field_of_view: 60.0,
     };
-    let mut meter = StandInMeter::new(StandInHeader {
+    (world, options)
+}
+
+fn meter(options: &StandInOptions) -> StandInMeter {
+    StandInMeter::new(StandInHeader {
         scene: "a test".to_owned(),
         plant: "random".to_owned(),
         link: Link::ALL[0],
@@ -48,18 +58,25 @@ fn report(kinds: Vec<Kind>, counts: Vec<u32>) -> StandInReport {
         height: 48,
         field_of_view: 60.0,
         scales: options.scales.clone(),
-    });
-    #[derive(Debug)]
-    #[expect(dead_code, reason = "shown when a test fails")]
-    enum Fault {
-        Run(spinney::run::RunError),
-        Report(ReportError),
+    })
+}
+
+#[derive(Debug)]
+#[expect(dead_code, reason = "shown when a test fails")]
+enum Fault {
+    Run(spinney::run::RunError),
+    Report(ReportError),
+}
+
+impl From<spinney::run::RunError> for Fault {
+    fn from(error: spinney::run::RunError) -> Self {
+        Self::Run(error)
     }
-    impl From<spinney::run::RunError> for Fault {
-        fn from(error: spinney::run::RunError) -> Self {
-            Self::Run(error)
-        }
-    }
+}
+
+fn report(kinds: Vec<Kind>, counts: Vec<u32>) -> StandInReport {
+    let (world, options) = asked(kinds, counts);
+    let mut meter = meter(&options);
     stand_ins(&world, &options, &Silent, |found| {
         meter.add(found).map_err(Fault::Report)
     })
@@ -154,6 +171,129 @@ fn cards_of_flattened_leaves_are_held_against_those() {
     );
     // What stands for flattened leaves is looked at, not counted.
     assert_eq!(report.costs.len(), 3);
+}
+
+/// Long leaves of one shape and size, turned all ways, of two colours, so that which of two is nearer
+/// shows.
+fn equal_leaves(count: u32) -> Arc<Crown> {
+    let mut draws = Stream::new(7, 7).draws();
+    let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
+    let mut group = |name: &str, color: [f32; 3]| {
+        let mut positions = Vec::new();
+        for _ in 0..count / 2 {
+            let (centre, along) = (0.8 * vector(), vector().normalize_or(Vec3::X));
+            let across = along.cross(vector()).normalize_or(Vec3::Y);
+            let (along, across) = (0.3 * along, 0.12 * across);
+            positions.extend([
+                centre - along - across,
+                centre + along - across,
+                centre + along + across,
+                centre - along + across,
+            ]);
+        }
+        LeafGroup {
+            name: name.to_owned(),
+            prototype: Prototype::Quad {
+                texture_corners: Prototype::WHOLE_IMAGE,
+            },
+            material: Material::plain("leaf", color),
+            owners: vec![NO_BRANCH; positions.len() / 4],
+            positions,
+        }
+    };
+    let groups = vec![
+        group("green", [0.1, 0.5, 0.1]),
+        group("red", [0.7, 0.1, 0.1]),
+    ];
+    let plant = Plant::new("equal", None, None, Foliage { groups }).expect("sound parts");
+    Arc::new(crown(plant, None))
+}
+
+/// At the end of the way impostors lie where those of the next level do, so that swapping them shows
+/// less than going over at once.
+#[test]
+fn a_switch_alone_changes_less_than_a_level_does() {
+    let (world, mut options) = asked(Vec::new(), Vec::new());
+    options.session.model.cards.levels = CardCounts::new(&[8, 4, 2]).expect("descending");
+    options.session.model.cards.texture = 128;
+    assert_eq!(
+        switched_levels(&options.session.model.cards).as_slice(),
+        [8, 4, 2]
+    );
+    let mut meter = meter(&options);
+    let take = |look| meter.add_switch(look).map_err(Fault::Report);
+    level_switches(&world, &options, &Silent, take).expect("memory suffices");
+    let report = meter.finish();
+    let found: Vec<_> = report
+        .switches
+        .iter()
+        .map(|switch| (switch.scale, switch.counts))
+        .collect();
+    assert_eq!(found, [(0, [8, 4]), (0, [4, 2]), (1, [8, 4]), (1, [4, 2])]);
+    for switch in &report.switches {
+        let [alone, step, whole] = [&switch.switch, &switch.step, &switch.whole];
+        assert!(alone.share() < whole.share(), "{switch:?}");
+        assert!(alone.flip().mean < 0.9 * whole.flip().mean, "{switch:?}");
+        assert!(step.flip().mean < 0.2 * whole.flip().mean, "{switch:?}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&stand_in_json(&report)).expect("JSON");
+    assert_eq!(json["switches"].as_array().map(Vec::len), Some(4));
+}
+
+/// Where leaves lie in the impostors' planes, nothing but textures is amiss, and less with more texels; a
+/// texture of the front alone shows leaves in the wrong order from behind.
+#[test]
+fn textures_are_held_against_leaves_in_their_planes() {
+    let (mut world, mut options) = asked(Vec::new(), Vec::new());
+    world.crowns = vec![equal_leaves(48)];
+    options.scales.truncate(1);
+    options.session.model.cards.levels = CardCounts::new(&[4]).expect("one level");
+    let direct = |side, sides| TextureSetting::Direct { side, sides };
+    let indirect = TextureSetting::Indirect {
+        map: 8,
+        sprite: 32,
+        turns: 64,
+        scale: SpriteScale::Leaf,
+    };
+    let both = CardSides::Both;
+    let settings = [
+        direct(16, both),
+        direct(64, both),
+        direct(256, both),
+        direct(256, CardSides::Front),
+        indirect,
+    ];
+    let mut meter = meter(&options);
+    let take = |found| meter.add_textures(found).map_err(Fault::Report);
+    texture_looks(&world, &settings, &options, &Silent, take).expect("memory suffices");
+    let found = meter.finish().textures;
+    assert!(found.refused.is_empty(), "{found:?}");
+    let flip: Vec<f64> = found
+        .settings
+        .iter()
+        .map(|one| one.flip[0].1.mean)
+        .collect();
+    let [coarse, middle, fine, front, sprites] = flip[..] else {
+        panic!("five settings: {flip:?}");
+    };
+    println!("{flip:?}");
+    assert!(coarse > 1.5 * middle && middle > 1.5 * fine, "{flip:?}");
+    assert!(front > 1.5 * fine, "{flip:?}");
+    assert!(fine < sprites && sprites < coarse, "{flip:?}");
+    let cost = &found.settings[4].cost;
+    let maps = cost.maps.expect("it has maps");
+    // Half of a 64th of a turn.
+    assert!(
+        maps.greatest_turn <= 2.813 && maps.most_leaves >= 2,
+        "{maps:?}"
+    );
+    let equal = equal_direct(&found, indirect, 0).expect("three were looked at");
+    let EqualDirect::Between { side, bytes } = equal else {
+        panic!("{equal:?}: {flip:?}");
+    };
+    let sizes = [0, 2].map(|one: usize| found.settings[one].cost.resident_bytes as f64);
+    assert!(16.0 < side && side < 256.0 && sizes[0] < bytes && bytes < sizes[1]);
+    assert_eq!(texture_table(&found, &options.scales).rows.len(), 5);
 }
 
 #[test]

@@ -12,10 +12,14 @@
 
 mod plots;
 mod sheet;
+mod switches;
 mod table;
+mod textures;
 
 pub use plots::{Crossover, crossover, stand_in_plots};
+pub use switches::{StepChange, SwitchQuality, switch_table};
 pub use table::{stand_in_cost_table, stand_in_notes, stand_in_table, stand_in_text};
+pub use textures::{EqualDirect, TextureQuality, TextureReport, equal_direct, texture_table};
 
 use std::collections::BTreeMap;
 
@@ -23,6 +27,7 @@ use rayon::prelude::{IntoParallelIterator as _, ParallelIterator as _};
 use serde::Serialize;
 
 use self::sheet::Strip;
+use self::textures::TextureMeter;
 use super::run::json;
 use super::{
     OutputFolder, Page, PageImage, PictureView, QualitySummary, ReportError, Section, Spread,
@@ -31,8 +36,8 @@ use super::{
 use crate::gpu::{Card, Ledger, Link, nanoseconds};
 use crate::math::Vec3;
 use crate::run::{
-    CURVE_VIEWS, ClusterLook, Leaves, StandIn, StandInCost, StandInFound, StandInLook, ViewScale,
-    directions,
+    CURVE_VIEWS, ClusterLook, Leaves, StandIn, StandInCost, StandInFound, StandInLook, SwitchLook,
+    TextureFound, ViewScale, directions,
 };
 
 /// The value of `schema` in `stand-ins.json`.
@@ -68,6 +73,10 @@ pub struct StandInReport {
     pub costs: Vec<StandInCost>,
     /// The leaves of single clusters.
     pub clusters: Vec<ClusterLook>,
+    /// What switches of levels do.
+    pub switches: Vec<SwitchQuality>,
+    /// What textures of impostors take.
+    pub textures: TextureReport,
     /// A strip of pictures of each stand-in for the plant's own leaves.
     strips: Vec<Strip>,
 }
@@ -93,6 +102,7 @@ pub struct StandInMeter {
     report: StandInReport,
     /// By scale: the plant's leaves, and the flattened ones that came last.
     references: BTreeMap<(usize, Leaves), (StandIn, Vec<PictureView>)>,
+    textures: TextureMeter,
 }
 
 impl StandInMeter {
@@ -105,9 +115,12 @@ impl StandInMeter {
                 looks: Vec::new(),
                 costs: Vec::new(),
                 clusters: Vec::new(),
+                switches: Vec::new(),
+                textures: TextureReport::default(),
                 strips: Vec::new(),
             },
             references: BTreeMap::new(),
+            textures: TextureMeter::default(),
         }
     }
 
@@ -125,10 +138,31 @@ impl StandInMeter {
         Ok(())
     }
 
+    /// Takes the pictures around a switch of levels.
+    ///
+    /// # Errors
+    ///
+    /// When a picture is larger than a picture may be, or they are of different sizes.
+    pub fn add_switch(&mut self, look: SwitchLook) -> Result<(), ReportError> {
+        switches::add(&mut self.report.switches, look)
+    }
+
+    /// Takes what was found of textures.
+    ///
+    /// # Errors
+    ///
+    /// When a picture is larger than a picture may be, or not of its reference's size.
+    pub fn add_textures(&mut self, found: TextureFound) -> Result<(), ReportError> {
+        self.textures.add(found)
+    }
+
     /// What was found.
     #[must_use]
     pub fn finish(self) -> StandInReport {
-        self.report
+        StandInReport {
+            textures: self.textures.report,
+            ..self.report
+        }
     }
 
     fn look(&mut self, look: StandInLook) -> Result<(), ReportError> {
@@ -296,6 +330,8 @@ pub fn stand_in_json(report: &StandInReport) -> String {
         "clusters": report.clusters.iter().map(cluster).collect::<Vec<_>>(),
         "looks": report.looks.iter().map(look).collect::<Vec<_>>(),
         "costs": report.costs.iter().map(cost).collect::<Vec<_>>(),
+        "switches": switches::switch_json(&report.switches, &header.scales),
+        "textures": textures::texture_json(&report.textures, &header.scales),
     }))
 }
 
@@ -309,6 +345,15 @@ pub fn write_stand_ins(folder: &OutputFolder, report: &StandInReport) -> Result<
     let table = stand_in_table(report);
     folder.write("looks.csv", table.to_csv().as_bytes())?;
     folder.write("costs.csv", stand_in_cost_table(report).to_csv().as_bytes())?;
+    let scales = &report.header.scales;
+    for (name, table) in [
+        ("switches.csv", switch_table(&report.switches, scales)),
+        ("textures.csv", texture_table(&report.textures, scales)),
+    ] {
+        if !table.rows.is_empty() {
+            folder.write(name, table.to_csv().as_bytes())?;
+        }
+    }
     for (name, plot) in stand_in_plots(report) {
         folder.write(&format!("plots/{name}.svg"), plot.to_svg().as_bytes())?;
     }
@@ -352,6 +397,22 @@ fn stand_in_page(report: &StandInReport, mut images: Vec<PageImage>) -> Page {
         },
     ];
     sections.extend(stand_in_notes(report).into_iter().map(Section::Text));
+    let scales = &report.header.scales;
+    if !report.switches.is_empty() {
+        sections.push(Section::Table {
+            caption: "Switches of levels".to_owned(),
+            table: switch_table(&report.switches, scales),
+        });
+        sections.push(Section::Text(switches::CAPTION.to_owned()));
+    }
+    if !report.textures.settings.is_empty() {
+        sections.push(Section::Table {
+            caption: "Textures of impostors".to_owned(),
+            table: texture_table(&report.textures, scales),
+        });
+        sections.push(Section::Text(textures::CAPTION.to_owned()));
+    }
+    sections.extend(textures::refused(&report.textures).map(Section::Text));
     let plots = stand_in_plots(report).into_iter();
     sections.extend(plots.map(|(_, plot)| Section::Figure(plot.to_svg())));
     sections.push(Section::Large(images));

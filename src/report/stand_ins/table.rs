@@ -1,6 +1,8 @@
 //! The numbers in tables.
 
 use super::plots::{Crossover, crossover};
+use super::switches::switch_table;
+use super::textures::{refused, texture_table};
 use super::{StandInQuality, StandInReport, frame_ns};
 use crate::report::{Cell, Column, Spread, Table, decimal};
 use crate::run::{CURVE_VIEWS, StandIn, directions};
@@ -198,5 +200,17 @@ pub fn stand_in_notes(report: &StandInReport) -> Vec<String> {
 pub fn stand_in_text(report: &StandInReport, width: usize) -> String {
     let looks = looks_for_people(report).to_text(width);
     let costs = stand_in_cost_table(report).to_text(width);
-    format!("{looks}\n{costs}")
+    let scales = &report.header.scales;
+    let switches = switch_table(&report.switches, scales);
+    let textures = texture_table(&report.textures, scales);
+    let mut text = format!("{looks}\n{costs}");
+    for table in [switches, textures] {
+        if !table.rows.is_empty() {
+            text.push_str(&format!("\n{}", table.to_text(width)));
+        }
+    }
+    for line in refused(&report.textures) {
+        text.push_str(&format!("\n{line}\n"));
+    }
+    text
 }
