@@ -29,8 +29,9 @@ macro_rules! goldens {
 
 goldens! {
     cards {
-        billboard billboard_depth billboard_facing crossed impostors impostors_indirect
-        impostors_trimmed octahedral octahedral_sphere sprites
+        billboard billboard_depth billboard_facing crossed impostors impostors_blended
+        impostors_coverage impostors_indirect impostors_relief impostors_trimmed octahedral
+        octahedral_sphere sprites
     }
     digest { walk_cluster walk_slots walk_stamps yew }
     forest { hill }
@@ -40,7 +41,7 @@ goldens! {
         slots slots_gathered slots_variable stamps stamps_variable
     }
     select { hysteresis leaf_budget_variable pixel_error }
-    shadow { hill tree }
+    shadow { hill impostors tree }
     species {
         betula_lenta betula_populifolia black_tupelo ca_black_oak castanea_sativa cupressus_sempervirens
         juniperus_oxycedrus olea_europaea pistacia_lentiscus quaking_aspen quercus_cerris

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use spinney::document::Document;
 use spinney::gpu::Stream;
-use spinney::models::{Kind, TERRAIN_GROUP};
+use spinney::models::{Kind, TERRAIN_GROUP, shows_foliage};
 use spinney::raster::{Counters, Options, TileSize};
 use spinney::run::{Frame, RunError, Session, SessionOptions, Silent, World};
 use spinney::scene::{Scene, SceneError, SceneFile, to_toml};
@@ -113,6 +113,60 @@ fn shadows_darken_and_are_counted() {
     let says = "[shadow] with lodf-device, which leaves out what the camera does not see, is not \
                 supported by this version";
     assert_eq!(message.as_deref(), Some(says));
+}
+
+/// Impostors shade the ground where their leaves do, and one another: they stand where those are, and cast what
+/// they show.
+#[test]
+fn impostors_shade_what_their_leaves_shade() {
+    let cards = "[cards]\nlevels = [32]\ntexture = 128";
+    let lit = scene(cards);
+    let shaded = scene(&format!("{cards}\n[shadow]\nsize = 512\nextent = 9"));
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let world = World::build(&lit, folder, &Silent).expect("the species grows");
+    // What each pixel shows, and whether it is darker for the shadows.
+    let seen = |kind: Kind| -> Vec<(Option<u32>, bool)> {
+        let mut before = session(&lit, &world, kind).expect("memory suffices");
+        let before = before.frame(0).expect("a frame").image;
+        let mut session = session(&shaded, &world, kind).expect("memory suffices");
+        let after = session.frame(0).expect("a frame").image;
+        let target = session.device().inspect_target(session.target());
+        let target = target.expect("it exists");
+        let pixels = before.rgba.as_chunks::<4>().0.iter();
+        let pixels = pixels.zip(after.rgba.as_chunks::<4>().0).zip(0..);
+        pixels
+            .map(|((before, after), at)| {
+                let key = target.key(at % 64, at / 64);
+                (key.map(|key| key.group), before != after)
+            })
+            .collect()
+    };
+    let (leaves, cards) = (seen(Kind::LodfCluster), seen(Kind::Impostors));
+    let ground = leaves.iter().zip(&cards).filter_map(|(leaf, card)| {
+        let is_ground = leaf.0 == Some(TERRAIN_GROUP) && card.0 == leaf.0;
+        is_ground.then_some([leaf.1, card.1])
+    });
+    let (mut either, mut both) = (0, 0);
+    for dark in ground {
+        either += u32::from(dark[0] || dark[1]);
+        both += u32::from(dark[0] && dark[1]);
+    }
+    println!("ground {both} of {either}");
+    assert!(either > 100 && 10 * both > 7 * either, "{both} of {either}");
+    // Of the crown a part lies in its own shadow, about as large as of the leaves.
+    let [of_leaves, of_cards] = [&leaves, &cards].map(|seen| {
+        let crown = seen
+            .iter()
+            .filter(|(group, _)| group.is_some_and(shows_foliage));
+        let (mut all, mut dark) = (0, 0);
+        for (_, is_dark) in crown {
+            all += 1;
+            dark += u32::from(*is_dark);
+        }
+        f64::from(dark) / f64::from(all)
+    });
+    println!("crown {of_cards} for {of_leaves}");
+    assert!(of_leaves > 0.2 && (of_cards - of_leaves).abs() < 0.25);
 }
 
 #[test]
