@@ -10,7 +10,7 @@
 //! as long as there is room for them.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use rayon::prelude::*;
 
@@ -142,14 +142,24 @@ impl<'a> Piece<'a> {
             let batch = &batches[self.batch as usize];
             return Arc::new(make(view, batch, [self.batch, self.part], cover, spare));
         }
-        // Nothing panics while it is held but what ends the pass.
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        let chunk = made.get_or_insert_with(|| {
+        let make = |cover: Option<&Cover<'_>>, spare: &mut Spare| {
             let batch = &batches[self.batch as usize];
-            let numbers = [self.batch, self.part];
-            Arc::new(make(view, batch, numbers, cover, spare))
-        });
-        Arc::clone(chunk)
+            Arc::new(make(view, batch, [self.batch, self.part], cover, spare))
+        };
+        // Nothing panics while it is held but what ends the pass.
+        let mut made = match self.made.try_lock() {
+            Ok(made) => made,
+            Err(TryLockError::Poisoned(made)) => made.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                // Another tile makes it now: to wait takes longer than to make what shows here.
+                let alone = cover.map(|cover| Cover {
+                    alone: true,
+                    ..*cover
+                });
+                return make(alone.as_ref(), spare);
+            }
+        };
+        Arc::clone(made.get_or_insert_with(|| make(cover, spare)))
     }
 
     /// A tile has done with it; the last one forgets its triangles.

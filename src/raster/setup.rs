@@ -168,6 +168,7 @@ pub(super) fn set_up<'a>(
     let (size, first) = (batch.topology.corners(), index_u32(primitives.start));
     let corners = &geometry.corners[primitives.start * size..primitives.end * size];
     let level = view.level;
+    builder.triangles.reserve(primitives.len() / 2);
     match batch.topology {
         Topology::TriangleList => {
             dispatch!(level, simd => builder.all::<_, 3>(simd, corners, first));
