@@ -141,6 +141,7 @@ impl Digester {
 ///
 /// When `value` does not fit; sizes are checked against limits far below where data enters.
 #[must_use]
+#[inline]
 pub fn index_u32(value: usize) -> u32 {
     u32::try_from(value).expect("sizes are limited at the border to far below 2^32")
 }
@@ -151,6 +152,7 @@ pub fn index_u32(value: usize) -> u32 {
 ///
 /// When `value` does not fit; what is asked about lies in memory already, so it does.
 #[must_use]
+#[inline]
 pub fn index_usize(value: u64) -> usize {
     usize::try_from(value).expect("what lies in memory has an index")
 }

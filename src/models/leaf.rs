@@ -9,7 +9,7 @@
 //! - `windowed-leaf`: the same, where draws begin behind what is gone of each cluster; corners of the
 //!   second instance count on behind those of the first, and so on.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, f32x16};
+use fearless_simd::{Simd, SimdBase, dispatch, f32x16};
 
 use super::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
 use super::format::{LeafFormat, Records, VertexReader, Vertices};
@@ -551,11 +551,8 @@ impl Fragment for LeafFragment<'_> {
         };
         let levels = texture.level_for_lanes(simd, pixels.derivative_x, pixels.derivative_y);
         let at = [pixels.varyings[0], pixels.varyings[1]];
-        let alpha = texture.alpha_lanes(simd, at, levels, Wrap::Clamp, wanted);
-        let alpha = alpha * f32x8::splat(simd, surface.base_color.w);
-        alpha
-            .simd_ge(f32x8::splat(simd, surface.alpha_cutoff))
-            .to_bitmask()
+        let reach = [surface.base_color.w, surface.alpha_cutoff];
+        texture.alpha_reaches_lanes(simd, at, levels, Wrap::Clamp, wanted, reach)
     }
 
     fn texels_tested(&self) -> u64 {

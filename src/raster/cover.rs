@@ -12,10 +12,10 @@ use fearless_simd::{
 
 use super::frame::BLOCK_SIDE;
 use super::pixels::{Along, Gains, SpanRows, Spans, gains};
-use super::plane::{Attributes, Edges, LANES, depth_at};
+use super::plane::{Attributes, DepthLanes, Edges, LANES, depth_at, fits_lanes, narrow, step};
 use super::setup::{Chunk, Triangle};
 use super::tile::{Choice, Tile};
-use super::view::{PixelBox, SUBPIXELS};
+use super::view::PixelBox;
 use super::{Counters, Fragment};
 use crate::math::index_u32;
 
@@ -65,20 +65,6 @@ pub(super) fn cover<S: Simd, F: Fragment, const SAMPLES: usize>(
 fn many(pixels: PixelBox) -> bool {
     let [columns, rows] = [0, 1].map(|axis| pixels.last[axis] - pixels.first[axis] + 1);
     columns * rows >= 24
-}
-
-/// Whether the edge functions of a triangle stay within 32 bits at all pixels of its box and up to a row
-/// of lanes beside it.
-///
-/// With sides up to `s` sub-pixels a value is at most `2 s (s + 8 · 256)`, which is less than 2³¹.
-#[inline(always)]
-fn fits_lanes(triangle: &Triangle) -> bool {
-    const SIDE: i32 = 30_000;
-    let side = |values: [i32; 3]| {
-        let [least, greatest] = super::view::range_of(values);
-        greatest - least
-    };
-    side(triangle.x) <= SIDE && side(triangle.y) <= SIDE
 }
 
 /// The most candidates that are tested together.
@@ -492,48 +478,4 @@ fn columns(x: i32, first: i32, last: i32) -> u64 {
     let before = (1_u64 << (first - x)) - 1;
     let until = (2_u64 << (last - x).min(LANE_COUNT - 1)) - 1;
     until & !before
-}
-
-/// The plane of a triangle's depth.
-struct DepthLanes<S: Simd> {
-    base: f32x8<S>,
-    slopes: [f32x8<S>; 2],
-}
-
-impl<S: Simd> DepthLanes<S> {
-    #[inline(always)]
-    fn of(simd: S, triangle: &Triangle) -> Self {
-        Self {
-            base: f32x8::splat(simd, triangle.depth),
-            slopes: [
-                f32x8::splat(simd, triangle.depth_slopes[0]),
-                f32x8::splat(simd, triangle.depth_slopes[1]),
-            ],
-        }
-    }
-
-    /// As [`depth_at`].
-    #[inline(always)]
-    fn at(&self, simd: S, edges: [f32x8<S>; 2]) -> f32x8<S> {
-        let depth = self.base + (edges[0] * self.slopes[0] + edges[1] * self.slopes[1]);
-        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
-        let depth = depth.simd_gt(zero).select(depth, zero);
-        depth.simd_lt(one).select(depth, one)
-    }
-}
-
-/// What an edge function of a triangle that [fits lanes](fits_lanes) gains a pixel.
-#[inline(always)]
-fn step(subpixel: i64) -> i32 {
-    narrow(subpixel * i64::from(SUBPIXELS))
-}
-
-/// An edge function, or a step of one, of a triangle that [fits lanes](fits_lanes).
-#[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "sides are limited so that nothing is cut off"
-)]
-fn narrow(value: i64) -> i32 {
-    value as i32
 }

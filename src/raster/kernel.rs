@@ -1,6 +1,6 @@
 //! The fragment stage: what decides whether a pixel is there and which colour it has.
 
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, SimdBase, f32x8};
 
 use super::by_sample;
 use super::passes::Passes;
@@ -85,6 +85,28 @@ pub trait Fragment: Send + Sync + std::fmt::Debug {
 
     /// The linear colour, with straight alpha for [`Blend::Alpha`](super::Blend::Alpha).
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4;
+
+    /// Whether opaque pixels are shaded by [`shade_lanes`](Self::shade_lanes); compiled only where it is so.
+    /// Those whose depth is moved never are.
+    const SHADES_LANES: bool = false;
+
+    /// The colours of eight pixels of one triangle, channel by channel; of those without a bit in `wanted`
+    /// it does not matter. Must answer for each what [`shade`](Self::shade) does, to the same bits.
+    #[inline(always)]
+    fn shade_lanes<S: Simd>(
+        &self,
+        simd: S,
+        pixels: &PixelLanes<'_, S>,
+        wanted: u64,
+    ) -> [f32x8<S>; 4] {
+        let mut colours = [[0.0; 8]; 4];
+        pixels.hand_over(wanted, |pixel, lane| {
+            for (channel, value) in colours.iter_mut().zip(self.shade(pixel).to_array()) {
+                channel[lane] = value;
+            }
+        });
+        colours.map(|channel| f32x8::from_slice(simd, &channel))
+    }
 }
 
 /// What a fragment stage may know of a pixel.
@@ -130,6 +152,15 @@ impl<S: Simd> PixelLanes<'_, S> {
     #[inline(always)]
     pub fn each(&self, wanted: u64, mut holds: impl FnMut(&Pixel<'_>) -> bool) -> u64 {
         let mut answer = 0;
+        self.hand_over(wanted, |pixel, lane| {
+            answer |= u64::from(holds(pixel)) << lane;
+        });
+        answer
+    }
+
+    /// Hands over each pixel with a bit in `wanted`, and its place among the eight.
+    #[inline(always)]
+    fn hand_over(&self, wanted: u64, mut hand: impl FnMut(&Pixel<'_>, usize)) {
         let mut rest = wanted;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % 8;
@@ -147,9 +178,8 @@ impl<S: Simd> PixelLanes<'_, S> {
                 position: self.positions[lane],
                 depth: self.depths[lane],
             };
-            answer |= u64::from(holds(&pixel)) << lane;
+            hand(&pixel, lane);
         }
-        answer
     }
 }
 

@@ -58,6 +58,12 @@ impl<F: Fragment> Passes for F {
         if !tile.has_colour() {
             return super::depth_only::own(tile, chunk, winners, places);
         }
+        if F::SHADES_LANES && !F::MOVES_DEPTH && tile.scene.samples == Samples::One {
+            let level = tile.scene.view.level;
+            return dispatch!(level, simd => {
+                super::shade_lanes::shade::<_, F>(simd, self, tile, chunk, winners, places);
+            });
+        }
         match tile.scene.samples {
             Samples::One => super::shade::shade::<F, 1>(self, tile, chunk, winners, places),
             Samples::Four => super::shade::shade::<F, 4>(self, tile, chunk, winners, places),

@@ -1,6 +1,6 @@
 //! Edge functions and what is interpolated by them: exact integers, then `f32` in a stated order.
 
-use fearless_simd::{Simd, SimdBase, f32x8};
+use fearless_simd::{Select, Simd, SimdBase, f32x8};
 
 use super::setup::{Chunk, Triangle};
 use super::view::{SUBPIXELS, inverse_w};
@@ -239,3 +239,61 @@ impl<'a> Attributes<'a> {
 
 /// Pixels whose attributes are computed together.
 pub(super) const LANES: usize = 8;
+
+/// The plane of a triangle's depth.
+pub(super) struct DepthLanes<S: Simd> {
+    base: f32x8<S>,
+    slopes: [f32x8<S>; 2],
+}
+
+impl<S: Simd> DepthLanes<S> {
+    #[inline(always)]
+    pub(super) fn of(simd: S, triangle: &Triangle) -> Self {
+        Self {
+            base: f32x8::splat(simd, triangle.depth),
+            slopes: [
+                f32x8::splat(simd, triangle.depth_slopes[0]),
+                f32x8::splat(simd, triangle.depth_slopes[1]),
+            ],
+        }
+    }
+
+    /// As [`depth_at`].
+    #[inline(always)]
+    pub(super) fn at(&self, simd: S, edges: [f32x8<S>; 2]) -> f32x8<S> {
+        let depth = self.base + (edges[0] * self.slopes[0] + edges[1] * self.slopes[1]);
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let depth = depth.simd_gt(zero).select(depth, zero);
+        depth.simd_lt(one).select(depth, one)
+    }
+}
+
+/// Whether the edge functions of a triangle stay within 32 bits at all pixels of its box and up to a row
+/// of lanes beside it.
+///
+/// With sides up to `s` sub-pixels a value is at most `2 s (s + 8 · 256)`, which is less than 2³¹.
+#[inline(always)]
+pub(super) fn fits_lanes(triangle: &Triangle) -> bool {
+    const SIDE: i32 = 30_000;
+    let side = |values: [i32; 3]| {
+        let [least, greatest] = super::view::range_of(values);
+        greatest - least
+    };
+    side(triangle.x) <= SIDE && side(triangle.y) <= SIDE
+}
+
+/// What an edge function of a triangle that [fits lanes](fits_lanes) gains a pixel.
+#[inline(always)]
+pub(super) fn step(subpixel: i64) -> i32 {
+    narrow(subpixel * i64::from(SUBPIXELS))
+}
+
+/// An edge function, or a step of one, of a triangle that [fits lanes](fits_lanes).
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "sides are limited so that nothing is cut off"
+)]
+pub(super) fn narrow(value: i64) -> i32 {
+    value as i32
+}

@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use super::by_sample::moved;
-use super::items::NOBODY;
+use super::items::{Item, NOBODY};
 use super::pixels::{Along, SpanRows, gains};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
-use super::setup::{Chunk, key};
+use super::setup::{Chunk, Triangle, key};
 use super::tile::{Choice, Tile, Winners};
 use super::{Counters, Fragment};
 use crate::math::{Vec4, index_u32};
@@ -31,28 +31,10 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
         let edges = Edges::of(triangle);
         let attributes = Attributes::of::<F>(triangle, &edges, chunk);
         tile.keys.push(key(batch, triangle));
-        let shown = index_u32(tile.keys.len());
         let (mut visible, mut shaded) = (0, 0);
         for place in range {
             let item = tile.scratch.items.list[place];
-            let [x, y] = tile.pixel_at(item.index());
-            let [_, second, third] = edges.at_pixel(x, y);
-            let centre = coordinates([second, third]);
-            let position = [x, y].map(i32::unsigned_abs);
-            let depth = depth_at(triangle, centre);
-            let colour = attributes.pixel::<F, _>(centre, position, depth, |pixel| {
-                kernel.shade(&moved(kernel, pixel))
-            });
-            for sample in 0..SAMPLES {
-                if item.mask() >> sample & 1 == 1 {
-                    let index = item.index() * SAMPLES + sample;
-                    tile.colour[index] = colour;
-                    tile.shown[index] = shown;
-                    tile.scratch.owner[index] = NOBODY;
-                    visible += u64::from(!tile.scratch.drawn[index]);
-                    tile.scratch.drawn[index] = true;
-                }
-            }
+            visible += shade_pixel::<F, SAMPLES>(kernel, tile, triangle, &edges, &attributes, item);
             shaded += 1;
         }
         let work = tile.work(number);
@@ -61,6 +43,40 @@ pub(super) fn shade<F: Fragment, const SAMPLES: usize>(
             work.texels += shaded * kernel.texels_shaded();
         }
     }
+}
+
+/// Shades one pixel of a triangle whose key is the last one; answers how many of its samples are visible
+/// that were not before.
+#[inline(always)]
+pub(super) fn shade_pixel<F: Fragment, const SAMPLES: usize>(
+    kernel: &F,
+    tile: &mut Tile<'_, '_>,
+    triangle: &Triangle,
+    edges: &Edges,
+    attributes: &Attributes<'_>,
+    item: Item,
+) -> u64 {
+    let [x, y] = tile.pixel_at(item.index());
+    let [_, second, third] = edges.at_pixel(x, y);
+    let centre = coordinates([second, third]);
+    let position = [x, y].map(i32::unsigned_abs);
+    let depth = depth_at(triangle, centre);
+    let colour = attributes.pixel::<F, _>(centre, position, depth, |pixel| {
+        kernel.shade(&moved(kernel, pixel))
+    });
+    let shown = index_u32(tile.keys.len());
+    let mut visible = 0;
+    for sample in 0..SAMPLES {
+        if item.mask() >> sample & 1 == 1 {
+            let index = item.index() * SAMPLES + sample;
+            tile.colour[index] = colour;
+            tile.shown[index] = shown;
+            tile.scratch.owner[index] = NOBODY;
+            visible += u64::from(!tile.scratch.drawn[index]);
+            tile.scratch.drawn[index] = true;
+        }
+    }
+    visible
 }
 
 /// Blends triangles of a chunk over what is there.

@@ -15,6 +15,8 @@ pub(super) struct Squares {
     /// Width and height of the level in texels.
     size: [u32; 2],
     squares: Vec<u32>,
+    /// No alpha is less, and none is greater.
+    range: [u8; 2],
 }
 
 impl Squares {
@@ -24,6 +26,7 @@ impl Squares {
         let mut squares = Self {
             size,
             squares: vec![0; (columns + 1) * (rows + 1)],
+            range: [u8::MAX, 0],
         };
         squares.renew(bytes, 0..rows);
         squares
@@ -34,6 +37,7 @@ impl Squares {
         if rows.is_empty() {
             return;
         }
+        self.find_range(bytes, &rows);
         let columns = self.size[0] as usize + 1;
         for row in rows.start..=rows.end {
             let first = row * columns;
@@ -44,6 +48,24 @@ impl Squares {
         }
     }
 
+    /// Looks at no more texels than are new: those that they replace may have been the last ones at an end.
+    fn find_range(&mut self, bytes: &[u8], rows: &Range<usize>) {
+        let texels = bytes.as_chunks::<4>().0;
+        let row = self.size[0] as usize;
+        let whole = rows.len() == self.size[1] as usize;
+        let start = if whole { [u8::MAX, 0] } else { self.range };
+        let new = texels[rows.start * row..rows.end * row].iter();
+        self.range = new.fold(start, |[least, greatest], texel| {
+            [least.min(texel[3]), greatest.max(texel[3])]
+        });
+    }
+
+    /// No alpha is less than the first, and none is greater than the second.
+    #[inline(always)]
+    pub(super) fn range(&self) -> [u8; 2] {
+        self.range
+    }
+
     /// Squares by column and row.
     #[inline(always)]
     pub(super) fn at<S: Simd>(&self, simd: S, column: i32x8<S>, row: i32x8<S>) -> i32x8<S> {
@@ -52,7 +74,7 @@ impl Squares {
         (row * columns + column).store_slice(&mut places);
         let mut squares = [0; 8];
         for lane in 0..8 {
-            let square = self.squares.get(places[lane].unsigned_abs() as usize);
+            let square = self.squares.get(places[lane].cast_unsigned() as usize);
             squares[lane] = square.copied().unwrap_or(0).cast_signed();
         }
         i32x8::from_slice(simd, &squares)

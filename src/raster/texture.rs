@@ -3,10 +3,8 @@
 //! Texture coordinates run from (0, 0), the top-left corner of the first texel, to (1, 1), the
 //! bottom-right corner of the last; texel `i` of `n` has its centre at `(i + 0.5) / n`.
 
-use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdInt, SimdMask, f32x8, i32x8, u32x8};
-
 use super::squares::Squares;
-use super::wrap::{clamped, clamped_lanes, neighbours, repeated};
+use super::wrap::{clamped, neighbours, repeated};
 use super::{TextureFormat, Wrap, colour};
 use crate::math::{Vec2, Vec4};
 
@@ -19,9 +17,9 @@ pub struct MipMap {
     levels: Vec<Level>,
     format: TextureFormat,
     /// What the first three bytes of a texel of four mean, before they are divided.
-    decoding: &'static [f32; 256],
+    pub(super) decoding: &'static [f32; 256],
     /// What texels of four bytes are divided by, once they are blended.
-    divisor: Vec4,
+    pub(super) divisor: Vec4,
 }
 
 impl MipMap {
@@ -77,6 +75,7 @@ impl MipMap {
 
     /// What its texels are.
     #[must_use]
+    #[inline]
     pub fn format(&self) -> TextureFormat {
         self.format
     }
@@ -89,6 +88,7 @@ impl MipMap {
 
     /// How many levels there are, at least 1.
     #[must_use]
+    #[inline]
     pub fn level_count(&self) -> u32 {
         crate::math::index_u32(self.levels.len())
     }
@@ -205,71 +205,8 @@ impl MipMap {
         exponent.div_ceil(2).min(self.level_count() - 1)
     }
 
-    /// [`level_for`](Self::level_for) of eight pixels.
-    #[must_use]
     #[inline(always)]
-    pub fn level_for_lanes<S: Simd>(
-        &self,
-        simd: S,
-        derivative_x: [f32x8<S>; 2],
-        derivative_y: [f32x8<S>; 2],
-    ) -> u32x8<S> {
-        let Level { width, height, .. } = self.levels[0];
-        let width = f32x8::splat(simd, width as f32);
-        let height = f32x8::splat(simd, height as f32);
-        let (x, y) = (derivative_x[0] * width, derivative_x[1] * height);
-        let across = x * x + y * y;
-        let (x, y) = (derivative_y[0] * width, derivative_y[1] * height);
-        let down = x * x + y * y;
-        let longest = across.simd_gt(down).select(across, down);
-        let bits: u32x8<S> = longest.bitcast();
-        let least = u32x8::splat(simd, 127);
-        let exponent = (bits >> 23).max(least) - least;
-        let level = (exponent + u32x8::splat(simd, 1)) >> 1;
-        level.min(u32x8::splat(simd, self.level_count() - 1))
-    }
-
-    /// [`alpha`](Self::alpha) of eight pixels; of those without a bit in `wanted` it does not matter.
-    #[must_use]
-    #[inline(always)]
-    pub fn alpha_lanes<S: Simd>(
-        &self,
-        simd: S,
-        [u, v]: [f32x8<S>; 2],
-        levels: u32x8<S>,
-        wrap: Wrap,
-        wanted: u64,
-    ) -> f32x8<S> {
-        let first = levels[wanted.trailing_zeros() as usize % 8];
-        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-        let level = self.level(first);
-        let squares = level.squares.as_ref();
-        let squares = squares.filter(|_| wrap == Wrap::Clamp && same & wanted == wanted);
-        let Some(squares) = squares else {
-            let mut alphas = [0.0; 8];
-            let mut rest = wanted;
-            while rest != 0 {
-                let lane = rest.trailing_zeros() as usize % 8;
-                rest &= rest - 1;
-                alphas[lane] = self.alpha(Vec2::new(u[lane], v[lane]), levels[lane], wrap);
-            }
-            return f32x8::from_slice(simd, &alphas);
-        };
-        let (column, across) = clamped_lanes(simd, u, level.width);
-        let (row, down) = clamped_lanes(simd, v, level.height);
-        let squares = squares.at(simd, column, row);
-        let byte = i32x8::splat(simd, 255);
-        let a: f32x8<S> = (squares & byte).to_float();
-        let b: f32x8<S> = ((squares >> 8) & byte).to_float();
-        let c: f32x8<S> = ((squares >> 16) & byte).to_float();
-        let d: f32x8<S> = ((squares >> 24) & byte).to_float();
-        let above = a + (b - a) * across;
-        let below = c + (d - c) * across;
-        (above + (below - above) * down) / f32x8::splat(simd, 255.0)
-    }
-
-    #[inline(always)]
-    fn level(&self, level: u32) -> &Level {
+    pub(super) fn level(&self, level: u32) -> &Level {
         &self.levels[(level as usize).min(self.levels.len() - 1)]
     }
 
@@ -325,12 +262,12 @@ static PLAIN: [f32; 256] = {
 
 /// One size of the image.
 #[derive(Debug, Clone)]
-struct Level {
-    width: u32,
-    height: u32,
-    bytes: Vec<u8>,
+pub(super) struct Level {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) bytes: Vec<u8>,
     /// The alphas among four bytes a texel once more.
-    squares: Option<Squares>,
+    pub(super) squares: Option<Squares>,
 }
 
 impl Level {
@@ -427,30 +364,6 @@ mod tests {
     }
 
     #[test]
-    fn eight_alphas_have_the_bits_of_each_alone() {
-        use fearless_simd::{Level, dispatch};
-
-        let mut image = image();
-        assert!(image.write_level(0, 19, &[77, 1, 2, 3, 200]));
-        assert!(image.write_level(1, 0, &[9; 8]));
-        let at: [f32; 8] = [-3.0, -0.001, 0.1, 0.37, 0.5, 0.93, 1.001, f32::NAN];
-        for (v, level) in at.into_iter().flat_map(|v| [(v, 0), (v, 1), (v, 2)]) {
-            for target in [Level::new(), Level::fallback()] {
-                let found: [f32; 8] = dispatch!(target, simd => {
-                    let places = [f32x8::from_slice(simd, &at), f32x8::splat(simd, v)];
-                    let levels = u32x8::splat(simd, level);
-                    let alphas = image.alpha_lanes(simd, places, levels, Wrap::Clamp, 255);
-                    let mut found = [0.0; 8];
-                    alphas.store_slice(&mut found);
-                    found
-                });
-                let alone = at.map(|u| image.alpha(Vec2::new(u, v), level, Wrap::Clamp));
-                assert_eq!(found.map(f32::to_bits), alone.map(f32::to_bits));
-            }
-        }
-    }
-
-    #[test]
     fn absurd_coordinates_give_some_texel() {
         let image = image();
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30] {
@@ -539,13 +452,6 @@ mod tests {
         assert!(image.write_level(0, 28, &1.0_f32.to_le_bytes()));
         assert_eq!(image.texel(0, 1, 0).w, 1.0);
         assert!(!image.write_level(0, 29, &[0; 4]));
-        let simd = fearless_simd::Fallback::new();
-        let lanes = [0.25, 0.75, 0.25, 0.75, -1.0, 9.0, 0.0, 0.5];
-        let lanes = f32x8::from_slice(simd, &lanes);
-        let levels = u32x8::splat(simd, 0);
-        let alphas = image.alpha_lanes(simd, [lanes; 2], levels, Wrap::Clamp, 0xff);
-        let alphas: Vec<f32> = (0..8).map(|lane| alphas[lane]).collect();
-        assert_eq!(alphas, [0.25, 1.0, 0.25, 1.0, 0.25, 1.0, 0.25, 1.0]);
     }
 
     #[test]

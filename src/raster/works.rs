@@ -10,6 +10,7 @@ pub(super) struct Works {
 }
 
 impl Works {
+    #[inline]
     pub(super) fn of(&mut self, batch: u32) -> &mut Work {
         let index = batch as usize;
         if self.of_batch.len() <= index {

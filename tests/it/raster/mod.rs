@@ -79,6 +79,7 @@ impl Fragment for Quarter {
     const VARYINGS: usize = 2;
     const FLATS: usize = 0;
     const TESTS_ALPHA: bool = true;
+    const SHADES_LANES: bool = true;
 
     fn keeps(&self, pixel: &Pixel<'_>) -> bool {
         let [u, v] = [pixel.varyings[0], pixel.varyings[1]];
