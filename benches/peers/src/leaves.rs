@@ -8,6 +8,7 @@ use spinney::gpu::{
 use spinney::math::lanes::{LANES, Vec3Lanes};
 use spinney::math::{Mat4, Vec2, Vec3, Vec4};
 
+use crate::hulls;
 use crate::light::{AMBIENT, DIFFUSE, towards_light};
 
 /// The slot of the matrix from the world to clip space, 16 × `f32`, columns first.
@@ -150,16 +151,16 @@ impl Program for LeafQuads {
         match (self.texturing, texture, self.blend) {
             (Texturing::None, ..) | (_, None, _) => Box::new(Plain(surface.color)),
             (Texturing::Whole, Some(texture), Blend::Opaque) => {
-                Box::new(Textured::<false, true> { texture, surface })
+                Box::new(Textured::<false, true>::new(texture, surface))
             }
             (Texturing::Whole, Some(texture), Blend::Alpha) => {
-                Box::new(Textured::<false, false> { texture, surface })
+                Box::new(Textured::<false, false>::new(texture, surface))
             }
             (Texturing::Tiles, Some(texture), Blend::Opaque) => {
-                Box::new(Textured::<true, true> { texture, surface })
+                Box::new(Textured::<true, true>::new(texture, surface))
             }
             (Texturing::Tiles, Some(texture), Blend::Alpha) => {
-                Box::new(Textured::<true, false> { texture, surface })
+                Box::new(Textured::<true, false>::new(texture, surface))
             }
         }
     }
@@ -259,20 +260,11 @@ impl Hulls for LeafQuads {
     }
 
     fn bounds(&self, corners: &[u32], bindings: &Bindings<'_>) -> [Vec3; 2] {
-        let vertices = bindings.vertices();
-        let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        for &corner in corners {
-            let point = Vec3::from_array(vertices.f32s(3 * corner as usize));
-            bounds = [bounds[0].min(point), bounds[1].max(point)];
-        }
-        bounds
+        hulls::bounds(corners, bindings.vertices(), 3)
     }
 
     fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform {
-        let storage = |slot: u32| bindings.storage(slot as usize);
-        let clip_from_world = Mat4::from_cols_array(&storage(VIEW_SLOT).f32s(0));
-        let place = storage(INSTANCE_SLOT).f32s(16 * instance as usize);
-        Transform::of_product(clip_from_world, Mat4::from_cols_array(&place))
+        hulls::transform(bindings, instance)
     }
 }
 
@@ -301,9 +293,26 @@ impl Fragment for Plain {
 struct Textured<'a, const TILES: bool, const TESTED: bool> {
     texture: &'a MipMap,
     surface: Surface,
+    /// The share of the texture that a tile has, across and down: powers of 2.
+    share: Vec2,
+    /// Half a texel of each level, as a share of a tile.
+    rims: [f32; LEVELS],
 }
 
-impl<const TILES: bool, const TESTED: bool> Textured<'_, TILES, TESTED> {
+/// The most levels of a texture, and one more.
+const LEVELS: usize = 16;
+
+impl<'a, const TILES: bool, const TESTED: bool> Textured<'a, TILES, TESTED> {
+    fn new(texture: &'a MipMap, surface: Surface) -> Self {
+        let texels = |level: usize| (surface.tile_side / (1_u32 << level) as f32).max(1.0);
+        Self {
+            texture,
+            share: 1.0 / surface.tiles,
+            rims: std::array::from_fn(|level| 0.5 / texels(level)),
+            surface,
+        }
+    }
+
     /// Where in the texture a pixel lies, and the level.
     #[inline(always)]
     fn place(&self, pixel: &Pixel<'_>) -> (Vec2, u32) {
@@ -312,16 +321,49 @@ impl<const TILES: bool, const TESTED: bool> Textured<'_, TILES, TESTED> {
             let level = (self.texture).level_for(pixel.derivative_x, pixel.derivative_y);
             return (uv, level);
         }
-        let Surface {
-            tiles, tile_side, ..
-        } = self.surface;
+        let share = self.share;
         let level =
-            (self.texture).level_for(pixel.derivative_x / tiles, pixel.derivative_y / tiles);
+            (self.texture).level_for(pixel.derivative_x * share, pixel.derivative_y * share);
         // As if the tile were a texture of its own, clamped: no neighbour lends a texel.
-        let texels = (tile_side / (1_u32 << level) as f32).max(1.0);
-        let rim = Vec2::splat(0.5 / texels);
+        let rim = Vec2::splat(self.rims[level as usize % LEVELS]);
         let tile = Vec2::new(pixel.flats[2], pixel.flats[3]);
-        ((tile + uv.clamp(rim, Vec2::ONE - rim)) / tiles, level)
+        ((tile + uv.clamp(rim, Vec2::ONE - rim)) * share, level)
+    }
+
+    /// [`place`](Self::place) of eight pixels.
+    #[inline(always)]
+    fn place_lanes<S: Simd>(
+        &self,
+        simd: S,
+        pixels: &PixelLanes<'_, S>,
+        wanted: u64,
+    ) -> ([f32x8<S>; 2], u32x8<S>) {
+        let number = |value: f32| f32x8::splat(simd, value);
+        let (across, down) = (pixels.derivative_x, pixels.derivative_y);
+        let [u, v] = [pixels.varyings[0], pixels.varyings[1]];
+        if !TILES {
+            return ([u, v], self.texture.level_for_lanes(simd, across, down));
+        }
+        let [column, row] = [number(self.share.x), number(self.share.y)];
+        let across = [across[0] * column, across[1] * row];
+        let down = [down[0] * column, down[1] * row];
+        let levels = self.texture.level_for_lanes(simd, across, down);
+        let first = levels[wanted.trailing_zeros() as usize % 8];
+        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
+        let mut rim = number(self.rims[first as usize % LEVELS]);
+        if same & wanted != wanted {
+            let mut rims = [0.0; 8];
+            for (lane, rim) in rims.iter_mut().enumerate() {
+                *rim = self.rims[levels[lane] as usize % LEVELS];
+            }
+            rim = f32x8::from_slice(simd, &rims);
+        }
+        let last = number(1.0) - rim;
+        let at = [
+            (number(pixels.flats[2]) + u.max(rim).min(last)) * column,
+            (number(pixels.flats[3]) + v.max(rim).min(last)) * row,
+        ];
+        (at, levels)
     }
 }
 
@@ -345,40 +387,9 @@ impl<const TILES: bool, const TESTED: bool> Fragment for Textured<'_, TILES, TES
         if !TESTED {
             return wanted;
         }
-        let number = |value: f32| f32x8::splat(simd, value);
-        let (across, down) = (pixels.derivative_x, pixels.derivative_y);
-        let [u, v] = [pixels.varyings[0], pixels.varyings[1]];
-        let (at, levels) = if TILES {
-            let Surface {
-                tiles, tile_side, ..
-            } = self.surface;
-            let [columns, rows] = [number(tiles.x), number(tiles.y)];
-            let across = [across[0] / columns, across[1] / rows];
-            let down = [down[0] / columns, down[1] / rows];
-            let levels = self.texture.level_for_lanes(simd, across, down);
-            let first = levels[wanted.trailing_zeros() as usize % 8];
-            let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-            let mut rims = [0.5 / (tile_side / (1_u32 << (first & 31)) as f32).max(1.0); 8];
-            if same & wanted != wanted {
-                for (lane, rim) in rims.iter_mut().enumerate() {
-                    *rim = 0.5 / (tile_side / (1_u32 << (levels[lane] & 31)) as f32).max(1.0);
-                }
-            }
-            let rim = f32x8::from_slice(simd, &rims);
-            let last = number(1.0) - rim;
-            let at = [
-                (number(pixels.flats[2]) + u.max(rim).min(last)) / columns,
-                (number(pixels.flats[3]) + v.max(rim).min(last)) / rows,
-            ];
-            (at, levels)
-        } else {
-            ([u, v], self.texture.level_for_lanes(simd, across, down))
-        };
-        let alpha = self
-            .texture
-            .alpha_lanes(simd, at, levels, Wrap::Clamp, wanted);
-        let alpha = alpha * number(self.surface.color.w);
-        alpha.simd_ge(number(self.surface.cutoff)).to_bitmask()
+        let (at, levels) = self.place_lanes(simd, pixels, wanted);
+        let reach = [self.surface.color.w, self.surface.cutoff];
+        (self.texture).alpha_reaches_lanes(simd, at, levels, Wrap::Clamp, wanted, reach)
     }
 
     fn texels_tested(&self) -> u64 {
@@ -395,5 +406,32 @@ impl<const TILES: bool, const TESTED: bool> Fragment for Textured<'_, TILES, TES
         let color = self.surface.color * self.texture.sample(uv, level, Wrap::Clamp);
         let light = pixel.flats[usize::from(!pixel.front)];
         (color.truncate() * light).extend(if TESTED { 1.0 } else { color.w })
+    }
+
+    const SHADES_LANES: bool = true;
+
+    #[inline(always)]
+    fn shade_lanes<S: Simd>(
+        &self,
+        simd: S,
+        pixels: &PixelLanes<'_, S>,
+        wanted: u64,
+    ) -> [f32x8<S>; 4] {
+        let (at, levels) = self.place_lanes(simd, pixels, wanted);
+        let texel = (self.texture).sample_lanes(simd, at, levels, Wrap::Clamp, wanted);
+        let light = f32x8::splat(simd, pixels.flats[usize::from(!pixels.front)]);
+        let color = self.surface.color;
+        let number = |value: f32| f32x8::splat(simd, value);
+        let alpha = if TESTED {
+            number(1.0)
+        } else {
+            number(color.w) * texel[3]
+        };
+        [
+            number(color.x) * texel[0] * light,
+            number(color.y) * texel[1] * light,
+            number(color.z) * texel[2] * light,
+            alpha,
+        ]
     }
 }

@@ -10,6 +10,7 @@
 mod clock;
 mod dump;
 mod growth;
+mod hulls;
 mod leaves;
 mod light;
 mod lines;

@@ -6,6 +6,7 @@ use spinney::gpu::{
 };
 use spinney::math::{Mat3, Mat4, Vec2, Vec3, Vec4};
 
+use crate::hulls;
 use crate::leaves::{INSTANCE_SLOT, SURFACE_SLOT, VIEW_SLOT};
 use crate::light::{AMBIENT, DIFFUSE, towards_light};
 
@@ -78,20 +79,11 @@ impl Hulls for MeshTriangles {
     }
 
     fn bounds(&self, corners: &[u32], bindings: &Bindings<'_>) -> [Vec3; 2] {
-        let vertices = bindings.vertices();
-        let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        for &corner in corners {
-            let point = Vec3::from_array(vertices.f32s(8 * corner as usize));
-            bounds = [bounds[0].min(point), bounds[1].max(point)];
-        }
-        bounds
+        hulls::bounds(corners, bindings.vertices(), 8)
     }
 
     fn transform(&self, bindings: &Bindings<'_>, instance: u32) -> Transform {
-        let storage = |slot: u32| bindings.storage(slot as usize);
-        let clip_from_world = Mat4::from_cols_array(&storage(VIEW_SLOT).f32s(0));
-        let place = storage(INSTANCE_SLOT).f32s(16 * instance as usize);
-        Transform::of_product(clip_from_world, Mat4::from_cols_array(&place))
+        hulls::transform(bindings, instance)
     }
 }
 

@@ -15,7 +15,7 @@ pub(crate) struct Texels {
     pub(crate) height: u32,
     /// The bytes of each level.
     pub(crate) levels: Vec<Vec<u8>>,
-    /// Columns and rows of tiles, a layer each.
+    /// Columns and rows of tiles, a layer each: powers of 2.
     pub(crate) tiles: [u32; 2],
 }
 
@@ -29,7 +29,7 @@ impl Texels {
     pub(crate) fn of([layers, height, width]: [usize; 3], rgba: &[u8]) -> Self {
         let columns = 1_usize << (layers.next_power_of_two().ilog2().div_ceil(2));
         let columns = columns.min(layers);
-        let rows = layers.div_ceil(columns);
+        let rows = layers.div_ceil(columns).next_power_of_two();
         let is_even = width.is_power_of_two() && height.is_power_of_two();
         assert!(layers == 1 || is_even, "sides of layers are powers of 2");
         let table = Encoding::new();
