@@ -73,9 +73,11 @@
 mod bin;
 mod boxes;
 mod by_sample;
+mod candidates;
 mod clip;
 mod colour;
 mod cover;
+mod cover_lanes;
 mod depth_only;
 mod frame;
 mod items;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::bin::Entry;
-use super::cover::Candidates;
+use super::candidates::Candidates;
 use super::frame::{BLOCK_SIDE, NOTHING};
 use super::items::{Item, Items, NOBODY, each_owner};
 use super::lines::Run;
