@@ -1,4 +1,4 @@
-//! Lines blended over what is there, eight pixels at a time: two rows of four.
+//! Lines blended over what is there, sixteen pixels at a time: four rows of four.
 //!
 //! Most lines are a few pixels long. Both triangles of a line are decided together, since no pixel lies in
 //! both; attributes are computed pixel by pixel, all varyings at once. Whatever is long or far apart goes
@@ -7,13 +7,12 @@
 use std::ops::Range;
 
 use fearless_simd::{
-    Bytes, Select, Simd, SimdBase, SimdCombine, SimdInt, SimdMask, f32x4, f32x8, i32x8, u32x4,
-    u32x8,
+    Bytes, Select, Simd, SimdBase, SimdCombine, SimdInt, SimdMask, f32x4, f32x8, f32x16, i32x16,
+    mask32x8, mask32x16, u32x4, u32x8, u32x16,
 };
 
 use super::frame::BLOCK_SIDE;
 use super::lines::{Line, range};
-use super::plane::LANES;
 use super::setup::{Chunk, unfold};
 use super::tile::{Choice, Tile};
 use super::view::{PixelBox, SUBPIXELS};
@@ -21,11 +20,11 @@ use super::{Counters, Fragment, MAX_VARYINGS, Pixel};
 use crate::math::{Vec2, Vec4};
 
 /// Columns and rows of pixels that are decided together.
-const COLUMNS: i32 = 4;
-const ROWS: i32 = 2;
+const SIDE: i32 = 4;
+const TOGETHER: usize = 16;
 /// The column and row of each lane.
-const COLUMN_OF: [i32; LANES] = [0, 1, 2, 3, 0, 1, 2, 3];
-const ROW_OF: [i32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1];
+const COLUMN_OF: [i32; TOGETHER] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
+const ROW_OF: [i32; TOGETHER] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
 
 /// Blends some lines of a chunk over what is there, in order.
 #[inline(always)]
@@ -97,14 +96,14 @@ fn by_triangles<F: Fragment>(kernel: &F, tile: &mut Tile<'_, '_>, chunk: &Chunk<
 /// With sides up to `s` sub-pixels a value is at most `2 s (s + 5 · 256)`, which is less than 2³¹.
 #[inline(always)]
 fn fits_lanes(line: &Line, pixels: PixelBox) -> bool {
-    const SIDE: i32 = 30_000;
+    const LONGEST: i32 = 30_000;
     const MOST_PIXELS: i32 = 256;
     let [x, y] = [range(line.x), range(line.y)];
     let [columns, rows] = [
         pixels.last[0] - pixels.first[0] + 1,
         pixels.last[1] - pixels.first[1] + 1,
     ];
-    x[1] - x[0] <= SIDE && y[1] - y[0] <= SIDE && columns * rows <= MOST_PIXELS
+    x[1] - x[0] <= LONGEST && y[1] - y[0] <= LONGEST && columns * rows <= MOST_PIXELS
 }
 
 /// A line ready to be drawn: what is the same at all its pixels.
@@ -115,7 +114,7 @@ struct Brush<'b, S: Simd, F> {
     kernel: &'b F,
     edges: [Edge; EDGES],
     /// What edges gain from the first lane to each.
-    gains: [i32x8<S>; EDGES],
+    gains: [i32x16<S>; EDGES],
     /// One over `w`.
     inverse_w: Affine,
     depth: Affine,
@@ -208,18 +207,14 @@ impl Affine {
 
     /// In the first triangle where `first` says so, else in the second.
     #[inline(always)]
-    fn lanes<S: Simd>(
-        &self,
-        simd: S,
-        first: fearless_simd::mask32x8<S>,
-        edges: [f32x8<S>; 2],
-    ) -> f32x8<S> {
+    fn lanes<S: Simd>(&self, simd: S, first: mask32x16<S>, edges: [f32x16<S>; 2]) -> f32x16<S> {
         let [one, other] = self.slopes;
+        let number = |value: f32| f32x16::splat(simd, value);
         let slope = [
-            first.select(f32x8::splat(simd, one[0]), f32x8::splat(simd, other[0])),
-            first.select(f32x8::splat(simd, one[1]), f32x8::splat(simd, other[1])),
+            first.select(number(one[0]), number(other[0])),
+            first.select(number(one[1]), number(other[1])),
         ];
-        f32x8::splat(simd, self.base) + (edges[0] * slope[0] + edges[1] * slope[1])
+        number(self.base) + (edges[0] * slope[0] + edges[1] * slope[1])
     }
 }
 
@@ -234,12 +229,12 @@ impl<'b, S: Simd, F: Fragment> Brush<'b, S, F> {
             Edge::of(line, s, r),
             Edge::of(line, p, s),
         ];
-        let column = i32x8::from_slice(simd, &COLUMN_OF);
-        let row = i32x8::from_slice(simd, &ROW_OF);
+        let column = i32x16::from_slice(simd, &COLUMN_OF);
+        let row = i32x16::from_slice(simd, &ROW_OF);
         let mut gains = [column; EDGES];
         for (gain, edge) in gains.iter_mut().zip(edges) {
             *gain =
-                column * i32x8::splat(simd, edge.right()) + row * i32x8::splat(simd, edge.down());
+                column * i32x16::splat(simd, edge.right()) + row * i32x16::splat(simd, edge.down());
         }
         let twice = |one: [i32; 2], other: [i32; 2]| one[0] * other[1] - one[1] * other[0];
         let (to_r, from_q, to_s) = (edges[PR].along, edges[QP].along, edges[PS].along);
@@ -249,9 +244,14 @@ impl<'b, S: Simd, F: Fragment> Brush<'b, S, F> {
         ];
         let over_w = line.inverse_w;
         let [from, to] = chunk.lines.varyings(place, F::VARYINGS);
+        // What lies behind them is no number to compute with, above all not a tiny one, which takes long.
+        let there = mask32x8::from_bitmask(simd, (1 << F::VARYINGS) - 1);
+        let nothing = u32x8::splat(simd, 0);
         let (from, to): (f32x8<S>, f32x8<S>) = (
-            u32x8::from_slice(simd, from).bitcast(),
-            u32x8::from_slice(simd, to).bitcast(),
+            there
+                .select(u32x8::from_slice(simd, from), nothing)
+                .bitcast(),
+            there.select(u32x8::from_slice(simd, to), nothing).bitcast(),
         );
         let from = from * f32x8::splat(simd, over_w[0]);
         let to = to * f32x8::splat(simd, over_w[1]);
@@ -280,30 +280,29 @@ impl<'b, S: Simd, F: Fragment> Brush<'b, S, F> {
     #[inline(always)]
     fn draw(&self, simd: S, tile: &mut Tile<'_, '_>, pixels: PixelBox, counts: &mut Counts) {
         // Lanes stay within the block: those beside the pixels are left out by their column and row.
-        let side = BLOCK_SIDE.cast_signed();
-        let [last_x, last_y] = [
-            tile.origin[0] + side - COLUMNS,
-            tile.origin[1] + side - ROWS,
-        ];
+        let last_start = tile
+            .origin
+            .map(|first| first + BLOCK_SIDE.cast_signed() - SIDE);
         let mut top = pixels.first[1];
         while top <= pixels.last[1] {
-            let y = top.min(last_y);
-            let rows = u64::from(y >= top) | u64::from(y < pixels.last[1]) << COLUMNS;
+            let y = top.min(last_start[1]);
+            let rows = four(y, top, pixels.last[1]);
+            // Each bit four times, side by side.
+            let rows = (rows & 1 | (rows & 2) << 3 | (rows & 4) << 6 | (rows & 8) << 9) * 0xF;
             let mut left = pixels.first[0];
             while left <= pixels.last[0] {
-                let x = left.min(last_x);
-                let before = (1_u64 << (left - x)) - 1;
-                let until = (2_u64 << (pixels.last[0] - x).min(COLUMNS - 1)) - 1;
-                self.eight(simd, tile, [x, y], rows * (until & !before), counts);
-                left = x + COLUMNS;
+                let x = left.min(last_start[0]);
+                let columns = four(x, left, pixels.last[0]) * 0x1111;
+                self.sixteen(simd, tile, [x, y], rows & columns, counts);
+                left = x + SIDE;
             }
-            top = y + ROWS;
+            top = y + SIDE;
         }
     }
 
     /// The pixels from here on that are wanted.
     #[inline(always)]
-    fn eight(
+    fn sixteen(
         &self,
         simd: S,
         tile: &mut Tile<'_, '_>,
@@ -311,48 +310,50 @@ impl<'b, S: Simd, F: Fragment> Brush<'b, S, F> {
         wanted: u64,
         counts: &mut Counts,
     ) {
-        let zero = i32x8::splat(simd, 0);
+        let zero = i32x16::splat(simd, 0);
         let mut at = [zero; EDGES];
         for ((at, gain), edge) in at.iter_mut().zip(self.gains).zip(self.edges) {
-            *at = gain + i32x8::splat(simd, edge.at(x, y));
+            *at = gain + i32x16::splat(simd, edge.at(x, y));
         }
         let edges = &self.edges;
-        let biased = |edge: usize| at[edge] + i32x8::splat(simd, edges[edge].bias(1));
+        let biased = |edge: usize| at[edge] + i32x16::splat(simd, edges[edge].bias(1));
         let back = zero - at[PR];
         let inside_first = biased(RQ) | biased(QP) | biased(PR);
         let inside_second =
-            biased(SR) | biased(PS) | (back + i32x8::splat(simd, edges[PR].bias(-1)));
+            biased(SR) | biased(PS) | (back + i32x16::splat(simd, edges[PR].bias(-1)));
         let first = inside_first.simd_ge(zero);
         let in_first = first.to_bitmask();
         let covered = (in_first | inside_second.simd_ge(zero).to_bitmask()) & wanted;
         if covered == 0 {
             return;
         }
-        let second: f32x8<S> = first.select(at[QP], back).to_float();
-        let third: f32x8<S> = first.select(at[PR], at[PS]).to_float();
+        let second: f32x16<S> = first.select(at[QP], back).to_float();
+        let third: f32x16<S> = first.select(at[PR], at[PS]).to_float();
         let places = [second, third];
         let depth = clamped(simd, self.depth.lanes(simd, first, places));
         let index = tile.index(x, y);
-        let below = index + BLOCK_SIDE as usize;
-        let upper = u32x4::from_slice(simd, &tile.depth[index..][..4]);
-        let lower = u32x4::from_slice(simd, &tile.depth[below..][..4]);
-        let there: u32x8<S> = upper.combine(lower);
-        let bits: u32x8<S> = depth.bitcast();
+        let mut rows = [u32x4::splat(simd, 0); 4];
+        for (row, first) in rows.iter_mut().zip((index..).step_by(BLOCK_SIDE as usize)) {
+            *row = u32x4::from_slice(simd, &tile.depth[first..][..4]);
+        }
+        let [one, two, three, four] = rows;
+        let there: u32x16<S> = one.combine(two).combine(three.combine(four));
+        let bits: u32x16<S> = depth.bitcast();
         let nearer = bits.simd_lt(there).to_bitmask() & covered;
         counts.covered += u64::from(covered.count_ones());
         counts.visible += u64::from(nearer.count_ones());
         if nearer == 0 {
             return;
         }
-        let w = f32x8::splat(simd, 1.0) / self.inverse_w.lanes(simd, first, places);
-        let mut eight = [[0.0_f32; LANES]; 4];
-        second.store_slice(&mut eight[0]);
-        third.store_slice(&mut eight[1]);
-        w.store_slice(&mut eight[2]);
-        depth.store_slice(&mut eight[3]);
+        let w = f32x16::splat(simd, 1.0) / self.inverse_w.lanes(simd, first, places);
+        let mut all = [[0.0_f32; TOGETHER]; 4];
+        second.store_slice(&mut all[0]);
+        third.store_slice(&mut all[1]);
+        w.store_slice(&mut all[2]);
+        depth.store_slice(&mut all[3]);
         let mut rest = nearer;
         while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
+            let lane = rest.trailing_zeros() as usize % TOGETHER;
             rest &= rest - 1;
             let (column, row) = (lane % 4, lane / 4);
             let triangle = usize::from(in_first >> lane & 1 == 0);
@@ -360,12 +361,8 @@ impl<'b, S: Simd, F: Fragment> Brush<'b, S, F> {
                 (x + COLUMN_OF[lane]).unsigned_abs(),
                 (y + ROW_OF[lane]).unsigned_abs(),
             ];
-            let [second, third, w, depth] = [
-                eight[0][lane],
-                eight[1][lane],
-                eight[2][lane],
-                eight[3][lane],
-            ];
+            let [second, third, w, depth] =
+                [all[0][lane], all[1][lane], all[2][lane], all[3][lane]];
             let colour = self.shade(simd, triangle, [second, third], w, position, depth);
             let there = &mut tile.colour[index + row * BLOCK_SIDE as usize + column];
             *there = over(simd, colour, *there);
@@ -438,10 +435,18 @@ impl<'b, S: Simd, F: Fragment> Brush<'b, S, F> {
     }
 }
 
+/// A bit for each of four columns or rows from `first` on that lies within some.
+#[inline(always)]
+fn four(first: i32, least: i32, last: i32) -> u64 {
+    let before = (1_u64 << (least - first)) - 1;
+    let until = (2_u64 << (last - first).min(SIDE - 1)) - 1;
+    until & !before
+}
+
 /// As [`clamp_depth`](super::view::clamp_depth).
 #[inline(always)]
-fn clamped<S: Simd>(simd: S, depth: f32x8<S>) -> f32x8<S> {
-    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+fn clamped<S: Simd>(simd: S, depth: f32x16<S>) -> f32x16<S> {
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let depth = depth.simd_gt(zero).select(depth, zero);
     depth.simd_lt(one).select(depth, one)
 }
