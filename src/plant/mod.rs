@@ -31,6 +31,7 @@ pub use species::{
     StemLevel, Wood,
 };
 pub use texture::Texture;
+pub(crate) use texture::keep_coverage;
 pub use tube::{Tubes, trunk_mesh};
 pub use weber_penn::{GrowError, grow};
 

@@ -216,10 +216,10 @@ fn covered(rgba: &[u8], threshold: u8) -> usize {
         .count()
 }
 
-/// Scales alpha until as many of the texels pass as `passing` of `all` are.
+/// Scales alpha until as many of the texels pass `threshold` as `passing` of `all` are.
 ///
 /// Texels of equal alpha, of which only some may pass, are told apart by a scattered order.
-fn keep_coverage(bytes: &mut [u8], threshold: u8, passing: usize, all: usize) {
+pub(crate) fn keep_coverage(bytes: &mut [u8], threshold: u8, passing: usize, all: usize) {
     let count = bytes.len() / 4;
     let mut wanted = (2 * passing * count + all) / (2 * all);
     if wanted == 0 && 8 * passing >= all {

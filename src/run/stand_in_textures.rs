@@ -26,12 +26,15 @@ use crate::simplify::flattened;
 /// What an impostor's picture is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextureSetting {
-    /// A texture of its own.
+    /// A texture of its own for each side.
     Direct {
         /// Its sides, in texels.
         side: u32,
-        /// Which sides of an impostor have one.
-        sides: CardSides,
+    },
+    /// The same of the front alone, which shows from behind too.
+    FrontAlone {
+        /// Its sides, in texels.
+        side: u32,
     },
     /// A leaf distribution map, and sprites that all share ([GSS05](crate::references), § 2.3).
     Indirect {
@@ -53,15 +56,9 @@ impl TextureSetting {
     #[must_use]
     pub fn usual() -> Vec<Self> {
         let mut all: Vec<Self> = [32, 64, 128, 256, 512]
-            .map(|side| Self::Direct {
-                side,
-                sides: CardSides::Both,
-            })
+            .map(|side| Self::Direct { side })
             .into();
-        all.push(Self::Direct {
-            side: 256,
-            sides: CardSides::Front,
-        });
+        all.push(Self::FrontAlone { side: 256 });
         let indirect = |map, sprite, turns, scale| Self::Indirect {
             map,
             sprite,
@@ -87,10 +84,8 @@ impl TextureSetting {
     #[must_use]
     pub fn label(self) -> String {
         match self {
-            Self::Direct { side, sides } => match sides {
-                CardSides::Both => format!("direct {side}"),
-                CardSides::Front => format!("direct {side}, front alone"),
-            },
+            Self::Direct { side } => format!("direct {side}"),
+            Self::FrontAlone { side } => format!("direct {side}, front alone"),
             Self::Indirect {
                 map,
                 sprite,
@@ -108,16 +103,21 @@ impl TextureSetting {
 
     fn kind(self) -> Kind {
         match self {
-            Self::Direct { .. } => Kind::Impostors,
+            Self::Direct { .. } | Self::FrontAlone { .. } => Kind::Impostors,
             Self::Indirect { .. } => Kind::IndirectImpostors,
         }
     }
 
     fn cards(self, cards: CardOptions) -> CardOptions {
         match self {
-            Self::Direct { side, sides } => CardOptions {
+            Self::Direct { side } => CardOptions {
                 texture: side,
-                sides,
+                sides: CardSides::Both,
+                ..cards
+            },
+            Self::FrontAlone { side } => CardOptions {
+                texture: side,
+                sides: CardSides::Front,
                 ..cards
             },
             Self::Indirect {
@@ -206,7 +206,7 @@ pub fn texture_looks<E: From<RunError>>(
     progress: &dyn Progress,
     mut take: impl FnMut(TextureFound) -> Result<(), E>,
 ) -> Result<(), E> {
-    let Some(original) = world.crowns.first() else {
+    let (Some(original), Some(nearest)) = (world.crowns.first(), options.scales.first()) else {
         return Ok(());
     };
     let mut cards = options.session.model.cards;
@@ -246,7 +246,7 @@ pub fn texture_looks<E: From<RunError>>(
                 ..options.session.model
             },
         );
-        let camera = screen.camera(model.as_ref(), sphere, options.scales[0].before);
+        let camera = screen.camera(model.as_ref(), sphere, nearest.before);
         match camera {
             Err(RunError::Gpu(GpuError::Unsupported { what })) => {
                 take(TextureFound::Refused(setting, what))?;

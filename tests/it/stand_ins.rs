@@ -16,7 +16,7 @@ use spinney::run::{
     Leaves, SessionOptions, Silent, StandIn, StandInOptions, StandingTree, TextureSetting,
     ViewScale, World, crown, level_switches, stand_ins, switched_levels, texture_looks,
 };
-use spinney::scene::{CardCounts, CardSides, ImageSize, SpriteScale};
+use spinney::scene::{CardCounts, ImageSize, SpriteScale};
 
 use crate::support::{birch_scene, random_crown};
 
@@ -247,20 +247,21 @@ fn textures_are_held_against_leaves_in_their_planes() {
     let (mut world, mut options) = asked(Vec::new(), Vec::new());
     world.crowns = vec![equal_leaves(48)];
     options.scales.truncate(1);
+    // So large that a texel of the coarsest texture spans many pixels.
+    options.session.size = ImageSize::new(192, 192).expect("small");
     options.session.model.cards.levels = CardCounts::new(&[4]).expect("one level");
-    let direct = |side, sides| TextureSetting::Direct { side, sides };
+    let direct = |side| TextureSetting::Direct { side };
     let indirect = TextureSetting::Indirect {
         map: 8,
         sprite: 32,
         turns: 64,
         scale: SpriteScale::Leaf,
     };
-    let both = CardSides::Both;
     let settings = [
-        direct(16, both),
-        direct(64, both),
-        direct(256, both),
-        direct(256, CardSides::Front),
+        direct(16),
+        direct(64),
+        direct(256),
+        TextureSetting::FrontAlone { side: 256 },
         indirect,
     ];
     let mut meter = meter(&options);
@@ -276,7 +277,6 @@ fn textures_are_held_against_leaves_in_their_planes() {
     let [coarse, middle, fine, front, sprites] = flip[..] else {
         panic!("five settings: {flip:?}");
     };
-    println!("{flip:?}");
     assert!(coarse > 1.5 * middle && middle > 1.5 * fine, "{flip:?}");
     assert!(front > 1.5 * fine, "{flip:?}");
     assert!(fine < sprites && sprites < coarse, "{flip:?}");

@@ -8,7 +8,6 @@ use crate::report::{
     Cell, Column, PictureView, QualitySummary, ReportError, Spread, Table, ViewQuality, decimal,
 };
 use crate::run::{TextureCost, TextureFound, TextureLook, TextureSetting, ViewScale};
-use crate::scene::CardSides;
 
 /// What was found of all settings.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -120,14 +119,11 @@ pub fn equal_direct(
         .settings
         .iter()
         .filter_map(|one| match one.cost.setting {
-            TextureSetting::Direct {
-                side,
-                sides: CardSides::Both,
-            } => {
+            TextureSetting::Direct { side } => {
                 let bytes = one.cost.resident_bytes as f64;
                 Some([f64::from(side), bytes, one.flip_at(scale)?.mean])
             }
-            TextureSetting::Direct { .. } | TextureSetting::Indirect { .. } => None,
+            TextureSetting::FrontAlone { .. } | TextureSetting::Indirect { .. } => None,
         })
         .collect();
     let (first, last) = (curve.first()?, curve.last()?);
@@ -220,13 +216,7 @@ fn at_scale(report: &TextureReport, one: &TextureQuality, scale: usize) -> [Cell
         Cell::Text(format!("{mean} ({worst})"))
     });
     let missing = [Cell::Missing, Cell::Missing, Cell::Missing];
-    let is_direct = matches!(
-        one.cost.setting,
-        TextureSetting::Direct {
-            sides: CardSides::Both,
-            ..
-        }
-    );
+    let is_direct = matches!(one.cost.setting, TextureSetting::Direct { .. });
     let equal = equal_direct(report, one.cost.setting, scale).filter(|_| !is_direct);
     let [size, bytes, times] = match equal {
         None => missing,
@@ -325,13 +315,13 @@ mod tests {
 
     #[test]
     fn equal_looks_lie_between_two_sizes() {
-        let direct = |side, sides| TextureSetting::Direct { side, sides };
-        let front = direct(64, CardSides::Front);
+        let direct = |side| TextureSetting::Direct { side };
+        let front = TextureSetting::FrontAlone { side: 64 };
         let of = |mean| TextureReport {
             settings: vec![
-                found(direct(32, CardSides::Both), 1000, 0.4),
-                found(direct(64, CardSides::Both), 4000, 0.2),
-                found(direct(128, CardSides::Both), 16_000, 0.1),
+                found(direct(32), 1000, 0.4),
+                found(direct(64), 4000, 0.2),
+                found(direct(128), 16_000, 0.1),
                 found(front, 2000, mean),
             ],
             refused: Vec::new(),
