@@ -34,10 +34,10 @@ mod storage;
 pub use branches::{
     Attachment, BranchAxis, BranchErrors, BranchLevel, BranchMesh, BranchOptions, BranchRelevance,
     BranchSequence, BranchSkeleton, BranchVertex, Caps, EdgeTable, Edges, Frame, FrameMethod,
-    Internode, LEAST_EDGES, LevelBound, LevelNodes, LineAlpha, LineNormals, Merge, MergeTable,
-    Needle, NeedleOptions, NeedleRadius, NeedleSequence, NeedleUnit, PolygonOptions,
-    PrimitiveCounts, Shares, SkeletalVector, TopologyOrder, WHOLE_MERGES, merge_deviation,
-    moving_frames, permitted_error,
+    Internode, LEAST_EDGES, LevelBound, LevelNodes, LineAlpha, LineNormals, MOST_EDGES, Merge,
+    MergeTable, Needle, NeedleOptions, NeedleRadius, NeedleSequence, NeedleUnit, PolygonOptions,
+    PrimitiveCounts, Shares, SkeletalVector, TopologyOrder, WHOLE_MERGES, fractional_edges,
+    merge_deviation, moving_frames, permitted_error,
 };
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LEAF_COLLAPSE_VERSION, LeafCollapseOptions, LeafDistance, collapse_leaves};

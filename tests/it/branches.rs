@@ -85,13 +85,14 @@ fn shares(draws: &mut Draws) -> Shares {
 }
 
 fn needles(draws: &mut Draws) -> Vec<Needle> {
-    let mut vector = || Vec3::new(draws.signed(), draws.signed(), draws.signed());
+    let vector = |draws: &mut Draws| Vec3::new(draws.signed(), draws.signed(), draws.signed());
+    let thickness = error(draws);
     (0..12)
         .map(|_| {
-            let base = vector();
+            let base = vector(draws);
             Needle {
-                ends: [base, base + 0.1 * vector()],
-                radius: 0.002,
+                ends: [base, base + 0.1 * vector(draws)],
+                radius: thickness * (0.5 + draws.unit()),
             }
         })
         .collect()

@@ -5,6 +5,9 @@ use crate::math::{det, index_u32};
 /// The least edges of a polygon; fewer make a line.
 pub const LEAST_EDGES: u32 = 3;
 
+/// The most edges that a table goes up to: beyond, `P_h` is below 0.03 % of the radius.
+pub const MOST_EDGES: u32 = 128;
+
 /// From this share of the radius on an error makes a line of an internode: its diameter is no
 /// longer than the error.
 const LINE: f64 = 2.0;
@@ -30,10 +33,10 @@ pub struct Edges {
 }
 
 impl EdgeTable {
-    /// A table up to `most` edges (`H`), at least [`LEAST_EDGES`].
+    /// A table up to `most` edges (`H`), at least [`LEAST_EDGES`] and at most [`MOST_EDGES`].
     #[must_use]
     pub fn up_to(most: u32) -> Self {
-        let edges = LEAST_EDGES..=most.max(LEAST_EDGES);
+        let edges = LEAST_EDGES..=most.clamp(LEAST_EDGES, MOST_EDGES);
         let sagitta = |edges: u32| 1.0 - det::cos_f64(std::f64::consts::PI / f64::from(edges));
         Self {
             sagittas: edges.map(sagitta).collect(),
@@ -84,6 +87,13 @@ impl EdgeTable {
     }
 }
 
+/// The number of edges that meets an error, as a share of the radius, exactly, were there parts of an
+/// edge (eq. 8): the curve of which [`EdgeTable::edges`] are the steps above. For shares up to 2.
+#[must_use]
+pub fn fractional_edges(share: f64) -> f64 {
+    std::f64::consts::PI / det::acos_f64((1.0 - share).clamp(-1.0, 1.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,6 +134,22 @@ mod tests {
         }
         assert_eq!(table.edges(0.0, 0.0).count, 1);
         assert_eq!(EdgeTable::up_to(0).most(), 3);
+        assert_eq!(EdgeTable::up_to(u32::MAX).most(), MOST_EDGES);
+    }
+
+    #[test]
+    fn steps_lie_above_their_curve() {
+        let table = EdgeTable::up_to(64);
+        for step in 1_u16..200 {
+            let share = 0.0025 * f32::from(step);
+            let curve = fractional_edges(f64::from(share));
+            let edges = f64::from(table.edges(1.0, share).count);
+            assert!(
+                edges >= curve - 1e-9 && edges < curve + 1.0,
+                "{share}: {edges}, {curve}"
+            );
+        }
+        assert!((fractional_edges(2.0) - 1.0).abs() < 1e-12);
     }
 
     #[test]

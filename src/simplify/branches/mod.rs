@@ -34,7 +34,7 @@ mod shares;
 mod skeletal;
 mod topology;
 
-pub use edges::{EdgeTable, Edges, LEAST_EDGES};
+pub use edges::{EdgeTable, Edges, LEAST_EDGES, MOST_EDGES, fractional_edges};
 pub use frame::{Frame, FrameMethod, moving_frames};
 pub use internode::Internode;
 pub use merges::{Merge, MergeTable, WHOLE_MERGES, deviation as merge_deviation};

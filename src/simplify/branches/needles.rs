@@ -20,7 +20,9 @@ pub enum NeedleRadius {
     /// The mean of both, by how many needles they stand for: needles stay thin, and the crown loses
     /// mass with every merge.
     Mean,
-    /// So thick that length times radius is the sum of both's: the crown keeps its area.
+    /// So thick that length times radius is the sum of both's: the crown keeps its area. A needle that is
+    /// less than half as long as the mean of both is taken to be so long, since two that point apart
+    /// would make one without length and of any thickness.
     Area,
 }
 
@@ -58,8 +60,9 @@ pub struct NeedleOptions {
 /// numbers; both ends of the new needle are means by rank.
 ///
 /// A needle's *error* bounds how far its surface lies from that of every needle it stands for, in both
-/// directions: what it moved at each merge, added up. So an error `E5` is a cut through the trees of
-/// merges, and any is answered by looking once at each needle.
+/// directions: what it moved at each merge, added up. It is at least the needle's diameter, so that with
+/// `E5 = E3` a merged needle is a line and never more primitives than what it stands for. An error `E5`
+/// is a cut through the trees of merges, and any is answered by looking once at each needle.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NeedleSequence {
     needles: Vec<Needle>,
@@ -162,17 +165,17 @@ impl NeedleSequence {
                 NeedleRadius::Mean => mean,
                 NeedleRadius::Area => {
                     let area = one.length() * one.radius + other.length() * other.radius;
-                    let length = ends[0].distance(ends[1]);
+                    let lengths = one.length() + share * (other.length() - one.length());
+                    let length = ends[0].distance(ends[1]).max(0.5 * lengths);
                     if length > 0.0 { area / length } else { mean }
                 }
             },
         };
-        let error = pair
+        let moved = pair
             .iter()
             .zip([one, other])
-            .fold(0.0, |most: f32, (&old, needle)| {
-                most.max(self.errors[old as usize] + needle.deviation(&new))
-            });
+            .map(|(&old, needle)| self.errors[old as usize] + needle.deviation(&new));
+        let error = moved.fold(2.0 * new.radius, f32::max);
         for old in pair {
             self.until[old as usize] = error;
         }
@@ -249,7 +252,7 @@ mod tests {
     fn needle(x: f32, tilt: f32) -> Needle {
         Needle {
             ends: [Vec3::X * x, Vec3::new(x + tilt, 1.0, 0.0)],
-            radius: 0.125,
+            radius: 0.015_625,
         }
     }
 
@@ -301,7 +304,7 @@ mod tests {
         let merged = sequence.needles()[2];
         assert!((merged.length() - 1.0).abs() < 1e-6);
         // Area is kept: twice as thick.
-        assert!((merged.radius - 0.25).abs() < 1e-6);
+        assert!((merged.radius - 0.031_25).abs() < 1e-6);
     }
 
     #[test]

@@ -17,7 +17,7 @@ use crate::math::{Vec2, Vec3, det, index_u32};
 /// How branches become primitives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolygonOptions {
-    /// The most edges of a circle (`H`), at least 3. Where an error asks for more, the level's bound
+    /// The most edges of a circle (`H`), from 3 to [`MOST_EDGES`](super::MOST_EDGES). Where an error asks for more, the level's bound
     /// says so.
     pub most_edges: u32,
     /// How opaque lines are.

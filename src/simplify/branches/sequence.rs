@@ -148,7 +148,7 @@ impl BranchSequence {
         Self::of_parts(skeleton, &needles.collect::<Vec<_>>(), options)
     }
 
-    /// The sequence of a skeleton, and of needles in groups.
+    /// The sequence of a skeleton as sound as a [`Plant`]'s is, and of needles in groups.
     #[must_use]
     pub fn of_parts(skeleton: &Skeleton, needles: &[Vec<Needle>], options: &BranchOptions) -> Self {
         let skeleton = BranchSkeleton::of(skeleton, options.frames);
