@@ -205,7 +205,7 @@ pub struct LeafHabit {
 /// One kind of leaf: a group of the plant's foliage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoliageKind {
-    /// What its image shows.
+    /// What its image shows; needles have none.
     pub silhouette: Silhouette,
     /// Its share of all leaves, relative to the other kinds'.
     pub share: f32,
@@ -235,5 +235,10 @@ pub enum Blade {
         droop: f32,
         /// How far each half rises from the plane across the midrib, in degrees; below 0 falls.
         fold: f32,
+    },
+    /// A needle: a line from base to tip, without an image.
+    Needle {
+        /// How thick it is, in metres.
+        diameter: f32,
     },
 }

@@ -147,6 +147,7 @@ struct RawFoliage {
     faces: Whole,
     droop: Number,
     fold: Number,
+    needle_diameter: Number,
 }
 
 /// The most leaves, and the most trunk triangles, that a species may ask for.
@@ -401,6 +402,15 @@ impl Reader<'_> {
         }
         let droop = self.number("foliage.droop", &raw.droop, 0.0, -180.0..=180.0)?;
         let fold = self.number("foliage.fold", &raw.fold, 0.0, -80.0..=80.0)?;
+        let key = "foliage.needle_diameter";
+        let diameter = self.number(key, &raw.needle_diameter, 0.001, 0.0001..=0.1)?;
+        if let Some(found) = &raw.needle_diameter {
+            if raw.faces.is_some() || raw.droop.is_some() || raw.fold.is_some() {
+                let wanted = "foliage.needle_diameter is given, wanted no faces, droop or fold";
+                return Err(self.wrong(found, wanted.to_owned()));
+            }
+            return Ok(Blade::Needle { diameter });
+        }
         if faces > 2 {
             return Ok(Blade::Bent { faces, droop, fold });
         }

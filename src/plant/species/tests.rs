@@ -155,6 +155,12 @@ fn wrong_values_are_named_with_line_and_column() {
         ),
         ("foliage", "faces = 4\nfold = 90", "90", "wanted -80..=80"),
         (
+            "foliage",
+            "faces = 2\nneedle_diameter = 0.002",
+            "0.002",
+            "wanted no faces",
+        ),
+        (
             "",
             "leaf_count = 10000000000",
             "10000000000",

@@ -1,10 +1,10 @@
 //! Leaves on the stems of the last level: exactly as many as wanted, evenly over the whole crown.
 
-use super::GrowError;
 use super::blade::{Bend, bent_prototype, bent_vertices};
 use super::branching::{Bearer, Wood};
 use super::formulas::{alternate, down_angle, lifted};
 use super::frame::Frame;
+use super::{GrowError, linear};
 use crate::limits;
 use crate::math::{Stream, Vec3, det, index_u32};
 use crate::plant::{Blade, Foliage, FoliageKind, LeafGroup, Material, Prototype, Species};
@@ -96,21 +96,29 @@ fn density(species: &Species, bearers: &[Bearer]) -> Result<(f64, u64), GrowErro
 }
 
 fn empty_group(kind: &FoliageKind) -> LeafGroup {
-    let name = kind.silhouette.name();
-    LeafGroup {
-        name: name.to_owned(),
-        prototype: match kind.blade {
-            Blade::Flat => Prototype::Quad {
-                texture_corners: Prototype::WHOLE_IMAGE,
-            },
-            Blade::Bent { faces, .. } => bent_prototype(faces),
-        },
-        material: Material {
+    let (name, prototype, has_image) = match kind.blade {
+        Blade::Flat => {
+            let texture_corners = Prototype::WHOLE_IMAGE;
+            let quad = Prototype::Quad { texture_corners };
+            (kind.silhouette.name(), quad, true)
+        }
+        Blade::Bent { faces, .. } => (kind.silhouette.name(), bent_prototype(faces), true),
+        Blade::Needle { diameter } => ("needles", Prototype::Needle { diameter }, false),
+    };
+    let material = if has_image {
+        Material {
             name: name.to_owned(),
             base_color: [1.0; 4],
             texture: Some(kind.silhouette.draw(kind.color, kind.width)),
             alpha_cutoff: ALPHA_CUTOFF,
-        },
+        }
+    } else {
+        Material::plain(name, linear(kind.color))
+    };
+    LeafGroup {
+        name: name.to_owned(),
+        prototype,
+        material,
         positions: Vec::new(),
         owners: Vec::new(),
     }
@@ -259,6 +267,7 @@ fn leaf_vertices(
             let bend = Bend { droop, fold };
             bent_vertices(faces, bend, base, frame, [length, half], vertices);
         }
+        Blade::Needle { .. } => vertices.extend([base, base + length * frame.heading]),
     }
 }
 

@@ -83,6 +83,38 @@ fn the_chestnut_has_the_papers_leaves_and_faces() {
     }
 }
 
+/// The heights of [ZBMJLDC17](crate::references), figures 8, 9 and 15.
+#[test]
+fn trees_of_the_branch_paper_are_as_tall_as_it_says() {
+    for (name, height) in [
+        ("ilex_aquifolium", 2.2),
+        ("pinus_sylvestris", 2.2),
+        ("salix_babylonica", 7.9),
+    ] {
+        let plant = grow(&species(name), 1).unwrap();
+        let found = plant.bounds().max.y;
+        assert!(
+            (found / height - 1.0).abs() < 0.04,
+            "{name} is {found} m tall"
+        );
+        for group in &plant.foliage().groups {
+            let is_needle = matches!(group.prototype, Prototype::Needle { .. });
+            assert_eq!(is_needle, name == "pinus_sylvestris");
+        }
+    }
+    let pine = grow(&species("pinus_sylvestris"), 1).unwrap();
+    let [needles] = &pine.foliage().groups[..] else {
+        panic!("one group");
+    };
+    assert_eq!(needles.leaf_count(), 24_000);
+    for needle in 0..needles.leaf_count() {
+        let [base, tip] = needles.leaf(needle) else {
+            panic!("a needle is a line");
+        };
+        assert!((0.04..0.07).contains(&base.distance(*tip)));
+    }
+}
+
 #[test]
 fn leaves_of_several_faces_are_left_out_by_number() {
     let tables = "faces = 6\n[crown]\nlevels = 1\n[leaves]\n";
@@ -312,6 +344,12 @@ fn wild(seed: u64) -> Species {
         };
         let (least, most) = cells[4].split_once("..=").expect("filtered for it");
         let [least, most]: [f32; 2] = [least, most].map(|end| end.parse().expect("a number"));
+        // Every third species has needles, which have no faces.
+        if (key == "needle_diameter") != (seed % 3 == 0)
+            && ["faces", "droop", "fold", "needle_diameter"].contains(&key)
+        {
+            continue;
+        }
         if key == "faces" {
             // Even, and enough for leaves that bend.
             tables.push((section, format!("faces = {}", 4 + 2 * draws.below(31))));
