@@ -345,7 +345,7 @@ fn wild(seed: u64) -> Species {
         let (least, most) = cells[4].split_once("..=").expect("filtered for it");
         let [least, most]: [f32; 2] = [least, most].map(|end| end.parse().expect("a number"));
         // Every third species has needles, which have no faces.
-        if (key == "needle_diameter") != (seed % 3 == 0)
+        if (key == "needle_diameter") != seed.is_multiple_of(3)
             && ["faces", "droop", "fold", "needle_diameter"].contains(&key)
         {
             continue;

@@ -158,7 +158,7 @@ mod tests {
         let table = EdgeTable::up_to(64);
         for edges in 3..=64 {
             let sagitta = 1.0 - det::cos_f64(std::f64::consts::PI / f64::from(edges));
-            let error = sagitta as f32;
+            let error = table.sagitta(edges, 1.0);
             let found = table.edges(1.0, error).count;
             let wanted = if f64::from(error) >= sagitta {
                 edges

@@ -143,7 +143,7 @@ fn across(direction: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Draws, Stream, det};
+    use crate::math::{Stream, det};
 
     /// Two turns of a helix of radius 1, with the curve's own tangents.
     fn helix(steps: u16, method: FrameMethod) -> Vec<Frame> {
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn frames_are_orthonormal_on_any_polyline() {
-        let mut draws: Draws = Stream::new(5, 0).draws();
+        let mut draws = Stream::new(5, 0).draws();
         for case in 0_u16..200 {
             let mut points = vec![Vec3::ZERO];
             for _ in 0..12 {

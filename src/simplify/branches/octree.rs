@@ -175,7 +175,7 @@ fn octant(bounds: &Aabb, point: Vec3) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Stream;
+    use crate::math::{Stream, index_usize};
 
     #[test]
     fn the_nearest_is_found_as_points_come_and_go() {
@@ -193,7 +193,7 @@ mod tests {
             tree.insert(number, points[number as usize]);
             there.push(number);
             if number % 3 == 2 {
-                let gone = there.swap_remove(draws.below(there.len() as u64) as usize);
+                let gone = there.swap_remove(index_usize(draws.below(there.len() as u64)));
                 tree.remove(gone, points[gone as usize]);
             }
             let from = Vec3::new(draws.unit(), draws.unit(), draws.unit());

@@ -164,7 +164,10 @@ mod tests {
     use super::*;
     use crate::plant::{Branch, Node, Skeleton};
 
-    fn skeleton(branches: &[(Option<u32>, &[(f32, f32)])], radius: f32) -> BranchSkeleton {
+    /// The node that bears a branch, and where its nodes lie.
+    type Twig<'a> = (Option<u32>, &'a [(f32, f32)]);
+
+    fn skeleton(branches: &[Twig<'_>], radius: f32) -> BranchSkeleton {
         let mut all = Skeleton::default();
         for &(bearer, points) in branches {
             all.branches.push(Branch {
