@@ -156,6 +156,14 @@ limits! {
     GROWN_LEAVES: usize = 4_000_000, "leaves";
     /// Triangles of a trunk that grows without their number being asked for.
     TRUNK_TRIANGLES: usize = 16_000_000, "triangles";
+    /// How often a module of a grammar is rewritten.
+    RL_STEPS: u32 = 1000, "steps";
+    /// Brackets of a grammar that are open at once while it grows.
+    RL_DEPTH: usize = 65_536, "brackets";
+    /// Expressions within each other in a grammar, so that no stack overflows.
+    RL_NESTING: usize = 64, "levels";
+    /// Modules of a grammar and operations in their numbers while it grows: about a second.
+    RL_WORK: u64 = 33_554_432, "operations";
     /// Leaves of one plant, wherever it comes from.
     PLANT_LEAVES: usize = 16_000_000, "leaves";
     /// Vertices of one mesh or of a foliage.

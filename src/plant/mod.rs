@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! species.toml ─▶ Species ─grow──▶ ┐
+//! species.rls ─▶ RlSystem ─grow──▶ ┤
 //!                                  ├─▶ Plant = skeleton? + trunk? + foliage groups
 //! tree.glb ───────────import─────▶ ┘
 //! ```
@@ -15,9 +16,12 @@
 mod foliage;
 pub mod gltf;
 mod mesh;
+pub mod rl_system;
 mod silhouette;
 mod skeleton;
 mod species;
+mod species_file;
+mod stroke;
 mod texture;
 mod tube;
 mod weber_penn;
@@ -30,6 +34,8 @@ pub use species::{
     Blade, Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species,
     StemLevel, Wood,
 };
+pub use species_file::SpeciesFile;
+pub use stroke::Stroke;
 pub use texture::Texture;
 pub(crate) use texture::keep_coverage;
 pub use tube::{Tubes, trunk_mesh};

@@ -4,27 +4,27 @@ use crate::math::{Vec3, det};
 
 /// A right-handed orthonormal frame: `side × heading = normal`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
+pub(in crate::plant) struct Frame {
     /// The axis about which the frame pitches; a leaf's right.
-    pub(super) side: Vec3,
+    pub(in crate::plant) side: Vec3,
     /// The direction of growth.
-    pub(super) heading: Vec3,
+    pub(in crate::plant) heading: Vec3,
 }
 
 impl Frame {
     /// Straight up.
-    pub(super) const UPRIGHT: Self = Self {
+    pub(in crate::plant) const UPRIGHT: Self = Self {
         side: Vec3::X,
         heading: Vec3::Y,
     };
 
     /// The third axis; a leaf's upper face.
-    pub(super) fn normal(self) -> Vec3 {
+    pub(in crate::plant) fn normal(self) -> Vec3 {
         self.side.cross(self.heading)
     }
 
     /// Turned about its heading, in degrees.
-    pub(super) fn roll(self, degrees: f32) -> Self {
+    pub(in crate::plant) fn roll(self, degrees: f32) -> Self {
         let (sine, cosine) = det::sin_cos(degrees.to_radians());
         Self {
             side: cosine * self.side - sine * self.normal(),
@@ -34,7 +34,7 @@ impl Frame {
     }
 
     /// Tipped towards its normal, in degrees.
-    pub(super) fn pitch(self, degrees: f32) -> Self {
+    pub(in crate::plant) fn pitch(self, degrees: f32) -> Self {
         let (sine, cosine) = det::sin_cos(degrees.to_radians());
         Self {
             side: self.side,
@@ -44,7 +44,7 @@ impl Frame {
     }
 
     /// Turned about its normal, in degrees, its heading towards its side.
-    pub(super) fn yaw(self, degrees: f32) -> Self {
+    pub(in crate::plant) fn yaw(self, degrees: f32) -> Self {
         let (sine, cosine) = det::sin_cos(degrees.to_radians());
         Self {
             side: cosine * self.side - sine * self.heading,
@@ -55,7 +55,7 @@ impl Frame {
 
     /// Turned about an axis of length 1 of the world, in degrees, counter-clockwise seen against
     /// the axis.
-    pub(super) fn about(self, axis: Vec3, degrees: f32) -> Self {
+    pub(in crate::plant) fn about(self, axis: Vec3, degrees: f32) -> Self {
         let (sine, cosine) = det::sin_cos(degrees.to_radians());
         let turn =
             |v: Vec3| cosine * v + sine * axis.cross(v) + (1.0 - cosine) * axis.dot(v) * axis;
@@ -68,7 +68,7 @@ impl Frame {
 
     /// Bent towards the vertical: up by the given angle in degrees, below 0 down; a vertical
     /// heading stays.
-    pub(super) fn lift(self, degrees: f32) -> Self {
+    pub(in crate::plant) fn lift(self, degrees: f32) -> Self {
         let axis = self.heading.cross(Vec3::Y);
         let length = axis.length();
         if length > 1e-4 {
@@ -79,7 +79,7 @@ impl Frame {
     }
 
     /// The angle between heading and +Y in degrees, 0 to 180.
-    pub(super) fn declination(self) -> f32 {
+    pub(in crate::plant) fn declination(self) -> f32 {
         det::acos(self.heading.y.clamp(-1.0, 1.0)).to_degrees()
     }
 

@@ -18,7 +18,7 @@
 mod blade;
 mod branching;
 mod formulas;
-mod frame;
+pub(super) mod frame;
 mod leaves;
 mod stem;
 
@@ -26,6 +26,7 @@ use super::species::Species;
 use super::texture::linear_of_srgb;
 use super::tube::{Tubes, trunk_mesh};
 use super::{Material, Plant, PlantError};
+use crate::document::DocumentError;
 use crate::math::Stream;
 
 /// Grows the plant of a species that a seed names; the same on every machine.
@@ -100,6 +101,9 @@ pub enum GrowError {
         /// How many there may be.
         limit: usize,
     },
+    /// A rule of a grammar grows too much, or asks for what there is not; with its place.
+    #[error(transparent)]
+    Rule(DocumentError),
     /// The parts do not make a plant.
     #[error(transparent)]
     Plant(#[from] PlantError),
