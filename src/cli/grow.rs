@@ -6,8 +6,8 @@ use super::arguments::{GrowOptions, Shared};
 use super::error::CliError;
 use super::inspect::plant_facts;
 use super::terminal::Terminal;
+use crate::plant::SpeciesFile;
 use crate::plant::gltf::export_glb;
-use crate::plant::{Species, grow as grow_plant};
 use crate::report::write_file;
 
 pub(super) fn grow(
@@ -15,11 +15,13 @@ pub(super) fn grow(
     shared: &Shared,
     terminal: &Terminal,
 ) -> Result<(), CliError> {
-    let species = Species::read(&options.species)?;
-    let plant = grow_plant(&species, options.seed).map_err(|source| CliError::Grow {
-        file: options.species.display().to_string(),
-        source,
-    })?;
+    let species = SpeciesFile::read(&options.species)?;
+    let plant = species
+        .grow(options.seed)
+        .map_err(|source| CliError::Grow {
+            file: options.species.display().to_string(),
+            source,
+        })?;
     let bytes = export_glb(&plant)?;
     let target = shared.out.clone().unwrap_or_else(|| {
         let stem = options.species.file_stem().unwrap_or_default();

@@ -9,7 +9,7 @@ use super::error::CliError;
 use super::terminal::Terminal;
 use crate::document::Document;
 use crate::plant::gltf::{ImportOptions, import};
-use crate::plant::{Plant, Prototype, Species, grow};
+use crate::plant::{Plant, Prototype, SpeciesFile};
 use crate::raster::Image;
 use crate::report::Picture;
 use crate::scene::{Forest, PlantSource, SceneFile};
@@ -33,9 +33,10 @@ pub(super) fn inspect(
                 scene_facts(document)?
             }
         }
+        "rls" => species_facts(&Document::read(&options.file)?)?,
         other => {
             return Err(CliError::Usage(format!(
-                "{}: cannot inspect a file ending in {other:?}; wanted .toml, .glb, .gltf or .png",
+                "{}: cannot inspect a file ending in {other:?}; wanted .toml, .rls, .glb, .gltf or .png",
                 options.file.display()
             )));
         }
@@ -183,15 +184,15 @@ fn image_facts(path: &Path) -> Result<Facts, CliError> {
 }
 
 fn species_facts(document: &Document) -> Result<Facts, CliError> {
-    let species = Species::parse(document)?;
-    let plant = grow(&species, 1).map_err(|source| CliError::Grow {
+    let species = SpeciesFile::parse(document)?;
+    let plant = species.grow(1).map_err(|source| CliError::Grow {
         file: document.file.clone(),
         source,
     })?;
     let mut facts = plant_facts(&plant);
     facts[0].1 = "species".into();
-    facts.insert(2, ("latin", species.latin.clone().into()));
-    facts.push(("stop_leaves", species.stop_leaves.into()));
+    facts.insert(2, ("latin", species.latin().into()));
+    facts.push(("stop_leaves", species.stop_leaves().into()));
     Ok(facts)
 }
 

@@ -6,7 +6,7 @@ use super::arguments::{CounterChoice, Drawing, Shared};
 use super::cache::store;
 use super::error::CliError;
 use super::terminal::Terminal;
-use crate::plant::Species;
+use crate::plant::SpeciesFile;
 use crate::raster::{Counters, Options, TileSize};
 use crate::run::{Progress, RunError, SessionOptions, StandingTree, World};
 use crate::scene::{ImageSize, PlantSource, SampleCount, Scene, SceneFile, SceneSource};
@@ -75,8 +75,8 @@ impl Prepared {
             let PlantSource::Species(species) = &trees.get(tree?)?.source else {
                 return None;
             };
-            let species = Species::read(&path.parent()?.join(species)).ok()?;
-            Some(species.latin)
+            let species = SpeciesFile::read(&path.parent()?.join(species)).ok()?;
+            Some(species.latin().to_owned())
         };
         latin().unwrap_or_else(|| self.world.crowns[number].plant().name().to_owned())
     }

@@ -10,7 +10,7 @@ use crate::document::Document;
 use crate::math::{Digest, Digester};
 use crate::models::{Crown, Trunk};
 use crate::plant::gltf::{ImportOptions, import};
-use crate::plant::{Plant, Species, grow};
+use crate::plant::{Plant, SpeciesFile};
 use crate::scene::{PlantSource, Tree};
 
 /// Crowns that were built already, for scenes that show the same plants.
@@ -81,12 +81,12 @@ impl CrownStore {
                     seed: tree.seed,
                 };
                 self.kept_or_built(Key { plant, wanted }, fits, || {
-                    let species = Species::parse(&document)?;
-                    let plant = grow(&species, tree.seed).map_err(|source| RunError::Grow {
+                    let species = SpeciesFile::parse(&document)?;
+                    let plant = species.grow(tree.seed).map_err(|source| RunError::Grow {
                         species: path.clone(),
                         source,
                     })?;
-                    Ok((plant, species.stop_leaves))
+                    Ok((plant, species.stop_leaves()))
                 })
             }
             PlantSource::File { path, foliage } => {

@@ -5,7 +5,7 @@
 //!    species = "../yew.toml"     species = "plants/yew.toml"
 //! ```
 //!
-//! A species becomes `plants/NAME.toml`, a plant file `plants/NAME.glb` or `.gltf`; one that names
+//! A species becomes `plants/NAME.toml` or `.rls`, a plant file `plants/NAME.glb` or `.gltf`; one that names
 //! buffers or images beside it gets a folder of its own, `plants/NAME/NAME.gltf`, in which they lie as
 //! its paths want them. NAME is that of the original; the second of a name becomes `NAME-2`.
 //!
@@ -17,6 +17,7 @@ use std::path::{Component, Path};
 
 use super::RunError;
 use crate::document::Document;
+use crate::plant::SpeciesFile;
 use crate::plant::gltf::{PlantSources, read_sources};
 use crate::scene::{PlantSource, Scene};
 
@@ -87,7 +88,7 @@ impl PlantFiles {
 
     fn add_species(&mut self, name: &str, path: &Path) -> Result<String, RunError> {
         let document = Document::read(path)?;
-        let copy = format!("plants/{name}.toml");
+        let copy = format!("plants/{name}.{}", SpeciesFile::ending_of(&document.file));
         self.add(copy.clone(), document.text.into_bytes())?;
         Ok(copy)
     }

@@ -236,7 +236,7 @@ pub const KEYS: &[Key] = &[
     key("tree", Kind::Tables { most: limits::SCENE_TREES }, "", Absent::Rule("none: then a forest"),
         "The trees, a [[tree]] each; each has either `species` or `file`."),
     key("tree[].species", Kind::Path, "", Absent::Rule("none: then `file`"),
-        "The species file that the tree grows from."),
+        "The species file that the tree grows from: parameters, *.toml, or a grammar, *.rls."),
     key("tree[].file", Kind::Path, "", Absent::Rule("none: then `species`"),
         "The glTF file that holds the tree."),
     key("tree[].foliage", Kind::Texts, "", Absent::Rule("the importer decides"),
