@@ -13,6 +13,7 @@
 //!   all with triangles          centre, normal             planes, leaf → plane    levels
 //! Plant.skeleton ──▶ BranchSequence ─at(ε)─▶ BranchLevel
 //!   and needles        errors of all merges    polygons, lines, how far they may be off
+//! Plant ─strokes::*─▶ StrokeLevels, BranchStrokes: what painted trees are made of
 //! ```
 //!
 //! **Invariant.** A [`CollapseSequence`] is a forest of binary trees over the leaves: every leaf is
@@ -30,6 +31,7 @@ mod pruning;
 mod published;
 mod sequence;
 mod storage;
+pub mod strokes;
 
 pub use branches::{
     Attachment, BranchAxis, BranchErrors, BranchLevel, BranchMesh, BranchOptions, BranchRelevance,
