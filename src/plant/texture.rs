@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::limits;
-use crate::math::{Digester, det, index_u32};
+use crate::math::{Digester, det, index_u32, index_usize};
 
 /// An image: sRGB colour with straight linear alpha, 8 bits a channel, rows top-down. Copies share their bytes.
 #[derive(Clone, PartialEq, Eq)]
@@ -221,7 +221,9 @@ fn covered(rgba: &[u8], threshold: u8) -> usize {
 /// Texels of equal alpha, of which only some may pass, are told apart by a scattered order.
 pub(crate) fn keep_coverage(bytes: &mut [u8], threshold: u8, passing: usize, all: usize) {
     let count = bytes.len() / 4;
-    let mut wanted = (2 * passing * count + all) / (2 * all);
+    // In 64 bits, also where addresses have fewer.
+    let [passing_64, count_64, all_64] = [passing, count, all].map(|number| number as u64);
+    let mut wanted = index_usize((2 * passing_64 * count_64 + all_64) / (2 * all_64));
     if wanted == 0 && 8 * passing >= all {
         wanted = 1;
     }

@@ -20,30 +20,30 @@ use crate::plant::keep_coverage;
 /// Texels a side of a block.
 const BLOCK: usize = 4;
 
-/// Scales or deals out the mean alphas of all levels but the first.
+/// Scales or deals out the mean alphas of all levels; of the first they stay if leaves are seen one by one.
 ///
 /// `levels` are R, G, B, A a texel; `size` is that of the first one. A `cutoff` of 0 tests nothing: means stay.
 pub(super) fn deal_out(levels: &mut [Vec<u8>], size: [u32; 2], cutoff: f32) {
     let least = byte((255.0 * cutoff).ceil());
-    let Some((first, smaller)) = levels.split_first_mut() else {
+    let Some(first) = levels.first() else {
         return;
     };
     let alphas = first.iter().skip(3).step_by(4);
-    let sum: u64 = alphas.clone().map(|&alpha| u64::from(alpha)).sum();
-    let passing = alphas.filter(|&&alpha| alpha >= least).count();
+    let sum: usize = alphas.map(|&alpha| usize::from(alpha)).sum();
+    let (there, all) = ((sum + 127) / 255, first.len() / 4);
     if least == 0 || sum == 0 {
         return;
     }
-    let all = first.len() / 4;
     let test = Test {
         least,
-        scale: passing as f32 / sum as f32,
-        share: 4.0 * passing as f32 / first.len() as f32,
+        share: there as f32 / all as f32,
     };
-    for (level, bytes) in (1..).zip(smaller) {
+    for (level, bytes) in (0..).zip(levels) {
         let (texels, _) = bytes.as_chunks_mut();
         if test.are_seen_one_by_one(texels) {
-            keep_coverage(bytes, least, passing, all);
+            if level > 0 {
+                keep_coverage(bytes, least, there, all);
+            }
         } else {
             test.deal_out(texels, size.map(|side| (side >> level).max(1) as usize));
         }
@@ -55,9 +55,7 @@ pub(super) fn deal_out(levels: &mut [Vec<u8>], size: [u32; 2], cutoff: f32) {
 struct Test {
     /// The least alpha that passes.
     least: u8,
-    /// From an alpha byte to the share of the texel that passes.
-    scale: f32,
-    /// The share of all texels that passes.
+    /// The share of all texels that is there.
     share: f32,
 }
 
@@ -65,7 +63,7 @@ impl Test {
     /// Whether no more than half of what is there lies in texels that it does not fill: of each counts what is
     /// there or what is not, whichever is less.
     fn are_seen_one_by_one(self, texels: &[[u8; 4]]) -> bool {
-        let shares = texels.iter().map(|texel| self.scale * f32::from(texel[3]));
+        let shares = texels.iter().map(|texel| f32::from(texel[3]) / 255.0);
         let sums = shares.fold([0.0_f32; 2], |[there, unfilled], share| {
             [there + share, unfilled + share.min((1.0 - share).max(0.0))]
         });
@@ -111,7 +109,7 @@ impl Test {
     /// Less than a texel is left to the next block, so that outlines which are right stay.
     fn settled(self, texels: &mut [[u8; 4]], block: &mut [usize], owed: f32) -> f32 {
         let alphas = block.iter().map(|&texel| f32::from(texels[texel][3]));
-        let there = self.scale * alphas.fold(0.0, |sum: f32, alpha| sum + alpha);
+        let there = alphas.fold(0.0, |sum: f32, alpha| sum + alpha) / 255.0;
         let wanted = owed + there;
         block.sort_by_key(|&texel| Reverse(texels[texel][3]));
         let passing = block.partition_point(|&texel| texels[texel][3] >= self.least);
@@ -275,7 +273,6 @@ mod tests {
         deal_out(&mut levels, [2, 1], 0.0);
         assert_eq!(levels, before);
         deal_out(&mut levels, [2, 1], 0.5);
-        assert_eq!(levels[0], before[0]);
         assert!(levels[1][3] >= 128);
     }
 }
