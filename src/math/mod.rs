@@ -157,6 +157,20 @@ pub fn index_usize(value: u64) -> usize {
     usize::try_from(value).expect("what lies in memory has an index")
 }
 
+/// A unit vector across a direction: by the axis that it leans towards least.
+#[must_use]
+pub fn perpendicular(direction: Vec3) -> Vec3 {
+    let size = direction.abs();
+    let axis = if size.x <= size.y && size.x <= size.z {
+        Vec3::X
+    } else if size.y <= size.z {
+        Vec3::Y
+    } else {
+        Vec3::Z
+    };
+    direction.cross(axis).normalize_or(Vec3::X)
+}
+
 /// The whole part of a number, 0 for less or no number, `u32::MAX` for more.
 #[must_use]
 #[expect(

@@ -14,7 +14,7 @@
 use super::weber_penn::GrowError;
 use super::{Material, Mesh, Node, Skeleton};
 use crate::limits;
-use crate::math::{Vec2, Vec3, det, index_u32};
+use crate::math::{Vec2, Vec3, det, index_u32, perpendicular};
 
 /// How branches become tubes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -265,19 +265,6 @@ fn slope(nodes: &[Node], place: usize) -> f32 {
     } else {
         0.0
     }
-}
-
-/// A direction across `direction`: the axis that it leans towards least decides.
-fn perpendicular(direction: Vec3) -> Vec3 {
-    let size = direction.abs();
-    let axis = if size.x <= size.y && size.x <= size.z {
-        Vec3::X
-    } else if size.y <= size.z {
-        Vec3::Y
-    } else {
-        Vec3::Z
-    };
-    direction.cross(axis).normalize_or(Vec3::X)
 }
 
 /// The side of a ring carried to the next: reflected in the plane between the nodes, then in the one

@@ -303,12 +303,12 @@ fn size_of_level(width: u32, height: u32, level: u32) -> (u32, u32) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::TextureFormat::{Float32, Linear8, Srgb8};
     use super::*;
 
     /// 4 × 2 texels with alpha 0, 10, 20 … 70, and two smaller levels.
-    fn image() -> MipMap {
+    pub(in crate::raster) fn image() -> MipMap {
         let bytes = |count: u8| (0..count).flat_map(|i| [i, 2 * i, 255, 10 * i]).collect();
         MipMap::new(Srgb8, 4, 2, vec![bytes(8), bytes(2), bytes(1)]).expect("sizes fit")
     }

@@ -32,6 +32,15 @@ impl MipMap {
         level.min(u32x8::splat(simd, self.level_count() - 1))
     }
 
+    /// The level of all pixels with a bit in `wanted`, if it is one.
+    #[must_use]
+    #[inline(always)]
+    pub fn one_level<S: Simd>(simd: S, levels: u32x8<S>, wanted: u64) -> Option<u32> {
+        let first = levels[wanted.trailing_zeros() as usize % 8];
+        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
+        (same & wanted == wanted).then_some(first)
+    }
+
     /// [`alpha`](Self::alpha) of eight pixels; of those without a bit in `wanted` it does not matter.
     #[must_use]
     #[inline(always)]
@@ -43,12 +52,10 @@ impl MipMap {
         wrap: Wrap,
         wanted: u64,
     ) -> f32x8<S> {
-        let first = levels[wanted.trailing_zeros() as usize % 8];
-        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-        let level = self.level(first);
-        let squares = level.squares.as_ref();
-        let squares = squares.filter(|_| wrap == Wrap::Clamp && same & wanted == wanted);
-        let Some(squares) = squares else {
+        let one = Self::one_level(simd, levels, wanted).filter(|_| wrap == Wrap::Clamp);
+        let level = one.map(|one| self.level(one));
+        let squares = level.and_then(|level| Some((level, level.squares.as_ref()?)));
+        let Some((level, squares)) = squares else {
             let mut alphas = [0.0; 8];
             let mut rest = wanted;
             while rest != 0 {
@@ -87,10 +94,8 @@ impl MipMap {
         wanted: u64,
         [factor, least]: [f32; 2],
     ) -> u64 {
-        let first = levels[wanted.trailing_zeros() as usize % 8];
-        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-        if same & wanted == wanted
-            && let Some(squares) = &self.level(first).squares
+        if let Some(one) = Self::one_level(simd, levels, wanted)
+            && let Some(squares) = &self.level(one).squares
         {
             let [low, high] = squares.range();
             let reaches = |alpha: u8| f32::from(alpha) / 255.0 * factor >= least;
@@ -115,10 +120,9 @@ impl MipMap {
         wrap: Wrap,
         wanted: u64,
     ) -> [f32x8<S>; 4] {
-        let first = levels[wanted.trailing_zeros() as usize % 8];
-        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
         let bytes = self.format() != TextureFormat::Float32;
-        if !bytes || wrap != Wrap::Clamp || same & wanted != wanted {
+        let one = Self::one_level(simd, levels, wanted).filter(|_| bytes && wrap == Wrap::Clamp);
+        let Some(one) = one else {
             let mut colours = [[0.0; 8]; 4];
             let mut rest = wanted;
             while rest != 0 {
@@ -130,8 +134,8 @@ impl MipMap {
                 }
             }
             return colours.map(|channel| f32x8::from_slice(simd, &channel));
-        }
-        let level = self.level(first);
+        };
+        let level = self.level(one);
         let (column, across) = clamped_lanes(simd, u, level.width);
         let (row, down) = clamped_lanes(simd, v, level.height);
         let (zero, one) = (i32x8::splat(simd, 0), i32x8::splat(simd, 1));
@@ -187,14 +191,9 @@ impl MipMap {
 mod tests {
     use fearless_simd::{Fallback, Level as Instructions, dispatch};
 
-    use super::TextureFormat::{Float32, Srgb8};
+    use super::TextureFormat::Float32;
     use super::*;
-
-    /// 4 × 2 texels with alpha 0, 10, 20 … 70, and two smaller levels.
-    fn image() -> MipMap {
-        let bytes = |count: u8| (0..count).flat_map(|i| [i, 2 * i, 255, 10 * i]).collect();
-        MipMap::new(Srgb8, 4, 2, vec![bytes(8), bytes(2), bytes(1)]).expect("sizes fit")
-    }
+    use crate::raster::texture::tests::image;
 
     #[test]
     fn eight_pixels_have_the_bits_of_each_alone() {

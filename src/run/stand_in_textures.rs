@@ -206,7 +206,7 @@ pub fn texture_looks<E: From<RunError>>(
     progress: &dyn Progress,
     mut take: impl FnMut(TextureFound) -> Result<(), E>,
 ) -> Result<(), E> {
-    let (Some(original), Some(nearest)) = (world.crowns.first(), options.scales.first()) else {
+    let Some(original) = world.crowns.first() else {
         return Ok(());
     };
     let mut cards = options.session.model.cards;
@@ -218,25 +218,35 @@ pub fn texture_looks<E: From<RunError>>(
     let crown = Arc::new(all_but_flattened(original, &cards));
     progress.begin("textures", 1 + settings.len() as u64);
     let screen = Screen::new(options);
-    let look = |setting: Option<TextureSetting>, model: &dyn Model| {
-        let scales = options.scales.iter().enumerate().take(2);
-        scales
-            .map(|(scale, view)| {
-                let mut camera = screen.camera(model, sphere, view.before)?;
-                let shots = corner_directions().into_iter();
-                let shots = shots.map(|direction| Ok(camera.shot(direction)?.0));
-                Ok(TextureLook {
+    let mut look = |setting: Option<TextureSetting>, model: &dyn Model| -> Result<(), E> {
+        for (scale, view) in options.scales.iter().enumerate().take(2) {
+            let mut camera = match (screen.camera(model, sphere, view.before), setting) {
+                (Ok(camera), _) => camera,
+                (Err(RunError::Gpu(GpuError::Unsupported { what })), Some(setting)) => {
+                    return take(TextureFound::Refused(setting, what));
+                }
+                (Err(error), _) => return Err(error.into()),
+            };
+            if let (0, Some(setting)) = (scale, setting) {
+                take(TextureFound::Cost(TextureCost {
                     setting,
-                    scale,
-                    shots: shots.collect::<Result<_, RunError>>()?,
-                })
-            })
-            .collect::<Result<Vec<_>, RunError>>()
+                    upload_bytes: camera.studio.initial.upload.payload_bytes,
+                    resident_bytes: camera.studio.resident_bytes,
+                    maps: model.leaf_maps(),
+                }))?;
+            }
+            let shots = corner_directions().into_iter();
+            let shots = shots.map(|direction| Ok(camera.shot(direction)?.0));
+            take(TextureFound::Look(TextureLook {
+                setting,
+                scale,
+                shots: shots.collect::<Result<_, RunError>>()?,
+            }))?;
+        }
+        Ok(())
     };
     let leaves = Kind::Full.model(&crown, options.session.model);
-    for found in look(None, leaves.as_ref())? {
-        take(TextureFound::Look(found))?;
-    }
+    look(None, leaves.as_ref())?;
     progress.step();
     for &setting in settings {
         let model = setting.kind().model(
@@ -246,24 +256,7 @@ pub fn texture_looks<E: From<RunError>>(
                 ..options.session.model
             },
         );
-        let camera = screen.camera(model.as_ref(), sphere, nearest.before);
-        match camera {
-            Err(RunError::Gpu(GpuError::Unsupported { what })) => {
-                take(TextureFound::Refused(setting, what))?;
-            }
-            Err(error) => return Err(error.into()),
-            Ok(camera) => {
-                take(TextureFound::Cost(TextureCost {
-                    setting,
-                    upload_bytes: camera.studio.initial.upload.payload_bytes,
-                    resident_bytes: camera.studio.resident_bytes,
-                    maps: model.leaf_maps(),
-                }))?;
-                for found in look(Some(setting), model.as_ref())? {
-                    take(TextureFound::Look(found))?;
-                }
-            }
-        }
+        look(Some(setting), model.as_ref())?;
         progress.step();
     }
     Ok(())

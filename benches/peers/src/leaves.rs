@@ -348,16 +348,15 @@ impl<'a, const TILES: bool, const TESTED: bool> Textured<'a, TILES, TESTED> {
         let across = [across[0] * column, across[1] * row];
         let down = [down[0] * column, down[1] * row];
         let levels = self.texture.level_for_lanes(simd, across, down);
-        let first = levels[wanted.trailing_zeros() as usize % 8];
-        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-        let mut rim = number(self.rims[first as usize % LEVELS]);
-        if same & wanted != wanted {
+        let rim = if let Some(level) = MipMap::one_level(simd, levels, wanted) {
+            number(self.rims[level as usize % LEVELS])
+        } else {
             let mut rims = [0.0; 8];
             for (lane, rim) in rims.iter_mut().enumerate() {
                 *rim = self.rims[levels[lane] as usize % LEVELS];
             }
-            rim = f32x8::from_slice(simd, &rims);
-        }
+            f32x8::from_slice(simd, &rims)
+        };
         let last = number(1.0) - rim;
         let at = [
             (number(pixels.flats[2]) + u.max(rim).min(last)) * column,

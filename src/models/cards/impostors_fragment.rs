@@ -8,7 +8,7 @@
 //! | | 3 | bits of the impostor's number |
 //! | | 4–5 | with relief: what a metre along the plane's normal adds to z and w in clip space |
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, u32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8};
 
 use super::impostors_program::{COLOUR_SLOT, IMPOSTOR_SLOT, ImpostorProgram, NORMAL_SLOT, records};
 use super::impostors_set::CARD_ALPHA_CUTOFF;
@@ -151,13 +151,11 @@ impl<const COVERS: bool, const RELIEF: bool> Fragment for ImpostorFragment<'_, C
             return 0;
         };
         let levels = texture.level_for_lanes(simd, pixels.derivative_x, pixels.derivative_y);
-        let first = levels[wanted.trailing_zeros() as usize % 8];
-        let same = levels.simd_eq(u32x8::splat(simd, first)).to_bitmask();
-        if same & wanted != wanted {
+        let Some(one) = MipMap::one_level(simd, levels, wanted) else {
             return pixels.each(wanted, |pixel| self.keeps(pixel));
-        }
+        };
         let card = &self.cards[pixels.flats[3].to_bits() as usize];
-        let [moved, least, greatest] = card.reads(pixels.front, texture.level_size(first));
+        let [moved, least, greatest] = card.reads(pixels.front, texture.level_size(one));
         let at = [
             within(simd, pixels.varyings[0], [moved.x, least.x, greatest.x]),
             within(simd, pixels.varyings[1], [moved.y, least.y, greatest.y]),

@@ -151,8 +151,7 @@ impl QualityMeter {
     /// When a picture is larger than a picture may be, or not of the size of the first.
     pub fn add(&mut self, look: Look) -> Result<(), ReportError> {
         let digest = look.shots.first().map(|shot| shot.image.digest());
-        let shots = look.shots.into_iter();
-        let views: Vec<PictureView> = shots.map(PictureView::of).collect::<Result<_, _>>()?;
+        let views = PictureView::all(look.shots)?;
         let is_known = |reference: &Reference| reference.subject == look.subject;
         if !self.reference.as_ref().is_some_and(is_known) {
             self.plants += usize::from(look.subject != Subject::Scene);
@@ -165,10 +164,7 @@ impl QualityMeter {
         let Some(reference) = &self.reference else {
             return Ok(());
         };
-        let pairs = reference.views.iter().zip(&views);
-        let found: Vec<ViewQuality> = pairs
-            .map(|(full, level)| ViewQuality::between(full, level))
-            .collect::<Result<_, _>>()?;
+        let found = ViewQuality::all(&reference.views, &views)?;
         for appearance in look.appearances {
             let known = self.appearances.iter();
             let place = match known.into_iter().position(|known| *known == appearance) {

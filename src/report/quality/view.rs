@@ -1,5 +1,7 @@
 //! One picture of leaves against another, and many together.
 
+use rayon::prelude::*;
+
 use crate::report::diff::{flip, ssim};
 use crate::report::{Picture, ReportError};
 use crate::run::Shot;
@@ -25,6 +27,16 @@ impl PictureView {
         Ok(Self { picture, leaves })
     }
 
+    /// Pictures as they were taken, in their order.
+    ///
+    /// # Errors
+    ///
+    /// Of the first one that is larger than a picture may be.
+    pub fn all(shots: Vec<Shot>) -> Result<Vec<Self>, ReportError> {
+        let views: Vec<_> = shots.into_par_iter().map(Self::of).collect();
+        views.into_iter().collect()
+    }
+
     /// Pixels that show a leaf.
     #[must_use]
     pub fn covered(&self) -> u64 {
@@ -48,6 +60,19 @@ pub struct ViewQuality {
 }
 
 impl ViewQuality {
+    /// Holds each picture of a level against that of full detail from there, in their order.
+    ///
+    /// # Errors
+    ///
+    /// Of the first pair whose pictures are not of one size.
+    pub fn all(full: &[PictureView], level: &[PictureView]) -> Result<Vec<Self>, ReportError> {
+        let pairs = full.par_iter().zip(level);
+        let found: Vec<_> = pairs
+            .map(|(full, level)| Self::between(full, level))
+            .collect();
+        found.into_iter().collect()
+    }
+
     /// Holds a level against full detail. Where full detail shows no leaf, shares are those of one
     /// pixel.
     ///

@@ -23,7 +23,6 @@ pub use textures::{EqualDirect, TextureQuality, TextureReport, equal_direct, tex
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::{IntoParallelIterator as _, ParallelIterator as _};
 use serde::Serialize;
 
 use self::sheet::Strip;
@@ -172,21 +171,14 @@ impl StandInMeter {
             shots,
             frames,
         } = look;
-        let views: Vec<Result<PictureView, ReportError>> =
-            shots.into_par_iter().map(PictureView::of).collect();
-        let views: Vec<PictureView> = views.into_iter().collect::<Result<_, _>>()?;
+        let views = PictureView::all(shots)?;
         let wanted = stand_in.reference();
         let key = (scale, wanted.leaves);
         let itself = (stand_in, Vec::new());
         let known = self.references.get(&key).unwrap_or(&itself);
         // Leaves are their own reference.
         let against = if stand_in == wanted { &views } else { &known.1 };
-        let pairs: Vec<_> = against.iter().zip(&views).collect();
-        let found: Vec<Result<ViewQuality, ReportError>> = pairs
-            .into_par_iter()
-            .map(|(reference, view)| ViewQuality::between(reference, view))
-            .collect();
-        let found: Vec<ViewQuality> = found.into_iter().collect::<Result<_, _>>()?;
+        let found = ViewQuality::all(against, &views)?;
         self.report.looks.push(StandInQuality {
             stand_in,
             scale,

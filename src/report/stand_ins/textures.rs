@@ -1,6 +1,5 @@
 //! What impostors' textures take for how they look: bytes at equal FLIP.
 
-use rayon::prelude::{IntoParallelIterator as _, ParallelIterator as _};
 use serde_json::{Value, json};
 
 use crate::math::det;
@@ -49,8 +48,7 @@ impl TextureMeter {
     }
 
     fn look(&mut self, look: TextureLook) -> Result<(), ReportError> {
-        let views: Vec<_> = look.shots.into_par_iter().map(PictureView::of).collect();
-        let views = views.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let views = PictureView::all(look.shots)?;
         if look.setting.is_none() {
             self.references.push((look.scale, views));
             return Ok(());
@@ -63,12 +61,7 @@ impl TextureMeter {
         else {
             return Ok(());
         };
-        let pairs: Vec<_> = reference.iter().zip(&views).collect();
-        let found: Vec<_> = pairs
-            .into_par_iter()
-            .map(|(reference, view)| ViewQuality::between(reference, view))
-            .collect();
-        let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let found = ViewQuality::all(reference, &views)?;
         let flip = QualitySummary::of(&found).flip;
         quality.flip.push((look.scale, flip));
         Ok(())

@@ -1,6 +1,6 @@
 //! Frames that move along an axis with as little turning as possible.
 
-use crate::math::Vec3;
+use crate::math::{Vec3, perpendicular};
 
 /// Three directions at a node: right-handed, orthonormal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ fn carried(points: &[Vec3], tangents: &[Vec3], method: FrameMethod) -> Vec<Frame
     let mut frames: Vec<Frame> = Vec::with_capacity(points.len());
     for (place, &tangent) in tangents.iter().enumerate() {
         let normal = match place.checked_sub(1) {
-            None => across(tangent),
+            None => perpendicular(tangent),
             Some(before) => {
                 let last = frames[before];
                 let carried = match method {
@@ -110,34 +110,21 @@ fn twice_reflected(frame: &Frame, step: Vec3, tangent: Vec3) -> Vec3 {
 fn upright(normal: Vec3, tangent: Vec3) -> Vec3 {
     let flat = normal - normal.dot(tangent) * tangent;
     if flat.length_squared() < 1e-10 {
-        return across(tangent);
+        return perpendicular(tangent);
     }
     let flat = flat.normalize_or_zero();
     // Once more: what one pass leaves of the tangent is rounding over a short length.
-    (flat - flat.dot(tangent) * tangent).normalize_or(across(tangent))
+    (flat - flat.dot(tangent) * tangent).normalize_or(perpendicular(tangent))
 }
 
 /// A frame about a direction of its own.
 pub(super) fn upright_frame(tangent: Vec3) -> Frame {
-    let normal = across(tangent);
+    let normal = perpendicular(tangent);
     Frame {
         tangent,
         normal,
         binormal: tangent.cross(normal),
     }
-}
-
-/// A unit vector across a direction.
-fn across(direction: Vec3) -> Vec3 {
-    let size = direction.abs();
-    let axis = if size.x <= size.y && size.x <= size.z {
-        Vec3::X
-    } else if size.y <= size.z {
-        Vec3::Y
-    } else {
-        Vec3::Z
-    };
-    direction.cross(axis).normalize_or(Vec3::X)
 }
 
 #[cfg(test)]

@@ -161,24 +161,12 @@ pub fn deviation(vectors: &[SkeletalVector], along: &[f32]) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::super::frame::FrameMethod;
+    use super::super::tests::branch;
     use super::*;
     use crate::math::Stream;
-    use crate::plant::{Branch, Node, Skeleton};
 
     fn skeleton(points: &[(Vec3, f32)]) -> BranchSkeleton {
-        let nodes = points
-            .iter()
-            .map(|&(position, radius)| Node { position, radius });
-        let skeleton = Skeleton {
-            nodes: nodes.collect(),
-            branches: vec![Branch {
-                bearer: None,
-                level: 0,
-                first_node: 0,
-                node_count: index_u32(points.len()),
-            }],
-        };
-        BranchSkeleton::of(&skeleton, FrameMethod::DoubleReflection)
+        BranchSkeleton::of(&branch(points), FrameMethod::DoubleReflection)
     }
 
     /// ```text

@@ -109,25 +109,16 @@ impl Router {
 mod tests {
     use super::super::frame::FrameMethod;
     use super::super::skeletal::BranchSkeleton;
+    use super::super::tests;
     use super::*;
-    use crate::math::{Vec3, index_u32};
-    use crate::plant::{Branch, Node, Skeleton};
+    use crate::math::Vec3;
 
     fn branch(points: &[(f32, f32, f32)]) -> MergeTable {
-        let nodes = points.iter().map(|&(x, y, radius)| Node {
-            position: Vec3::new(x, y, 0.0),
-            radius,
-        });
-        let skeleton = Skeleton {
-            nodes: nodes.collect(),
-            branches: vec![Branch {
-                bearer: None,
-                level: 0,
-                first_node: 0,
-                node_count: index_u32(points.len()),
-            }],
-        };
-        let skeleton = BranchSkeleton::of(&skeleton, FrameMethod::DoubleReflection);
+        let points = points.iter();
+        let points: Vec<_> = points
+            .map(|&(x, y, radius)| (Vec3::new(x, y, 0.0), radius))
+            .collect();
+        let skeleton = BranchSkeleton::of(&tests::branch(&points), FrameMethod::DoubleReflection);
         MergeTable::of(&skeleton, std::f32::consts::PI)
     }
 

@@ -4,7 +4,8 @@ use super::*;
 use crate::math::{Vec3, det, index_u32};
 use crate::plant::{Branch, Node, Skeleton};
 
-fn branch(points: &[(Vec3, f32)]) -> Skeleton {
+/// A branch of places and radii.
+pub(super) fn branch(points: &[(Vec3, f32)]) -> Skeleton {
     let nodes = points
         .iter()
         .map(|&(position, radius)| Node { position, radius });

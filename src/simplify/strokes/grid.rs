@@ -79,6 +79,14 @@ impl Grid {
         &self.originals[self.firsts[point] as usize..self.firsts[point + 1] as usize]
     }
 
+    /// The originals at some points, ascending.
+    pub(super) fn originals_of(&self, points: &[u32]) -> Vec<u32> {
+        let originals = points.iter().flat_map(|&point| self.originals(point));
+        let mut originals: Vec<u32> = originals.copied().collect();
+        originals.sort_unstable();
+        originals
+    }
+
     /// The coordinates of a point.
     #[inline]
     pub(super) fn at(&self, point: u32) -> [f64; 3] {

@@ -330,13 +330,7 @@ mod tests {
         let grid = Grid::new(points);
         let all: Vec<u32> = (0..index_u32(grid.len())).collect();
         let found = HullFinder::new(&grid).extremes(&all);
-        let mut originals: Vec<u32> = found
-            .iter()
-            .flat_map(|point| grid.originals(*point))
-            .copied()
-            .collect();
-        originals.sort_unstable();
-        originals
+        grid.originals_of(&found)
     }
 
     fn lattice(side: usize) -> Vec<Vec3> {

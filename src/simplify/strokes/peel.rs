@@ -55,29 +55,18 @@ pub fn peel(points: &[Vec3], until: PeelUntil) -> Peeling {
         }
     };
     while onion.left() > LAST_POINTS && goes_on(layers.len(), count) {
-        let layer = originals(&grid, &onion.peel());
+        let layer = grid.originals_of(&onion.peel());
         count -= layer.len();
         layers.push(layer);
     }
     Peeling {
         layers,
-        rest: originals(&grid, &onion.rest()),
+        rest: grid.originals_of(&onion.rest()),
     }
 }
 
 /// With so many points left, or fewer, peeling ends.
 const LAST_POINTS: usize = 3;
-
-/// The numbers that some grid points have among the points given, ascending.
-fn originals(grid: &Grid, points: &[u32]) -> Vec<u32> {
-    let mut originals: Vec<u32> = points
-        .iter()
-        .flat_map(|point| grid.originals(*point))
-        .copied()
-        .collect();
-    originals.sort_unstable();
-    originals
-}
 
 #[cfg(test)]
 mod tests {
@@ -103,11 +92,11 @@ mod tests {
             let found = peel(&points, PeelUntil::Over);
             for layer in &found.layers {
                 let corners = finder.extremes(&left);
-                assert_eq!(*layer, originals(&grid, &corners), "seed {seed}");
+                assert_eq!(*layer, grid.originals_of(&corners), "seed {seed}");
                 left.retain(|point| corners.binary_search(point).is_err());
             }
             assert!(left.len() <= 3, "seed {seed}: {} are left", left.len());
-            assert_eq!(found.rest, originals(&grid, &left));
+            assert_eq!(found.rest, grid.originals_of(&left));
             let three = peel(&points, PeelUntil::Hulls(3));
             assert_eq!(three.layers, found.layers[..3]);
         }
