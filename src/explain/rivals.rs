@@ -107,7 +107,7 @@ pub(super) fn decide(
         _ if rank.0 >= clear_depth.to_bits() => Fate::BeyondClearDepth,
         Some(first) if *rank == first => Fate::Shows,
         Some(first) if first.0 < rank.0 => Fate::Behind,
-        _ if fragment.blend == Blend::Alpha => Fate::Blended,
+        _ if fragment.blend != Blend::Opaque => Fate::Blended,
         Some(first) if first.1 < rank.1 => Fate::LostByKey,
         _ => Fate::LostByOrder,
     };

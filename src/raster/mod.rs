@@ -64,8 +64,10 @@
 //! first. So batches commute. Consecutive opaque batches are a run: it is decided
 //! as a whole, then each pixel is shaded once for each triangle that shows in it.
 //!
-//! *Blended* fragments keep their order, are tested against the depth that opaque batches before them
-//! left, and must be nearer; they write neither depth nor key.
+//! *Blended* fragments keep their order, are tested against the depth that is there, and must be nearer;
+//! [some](Blend::AlphaAndDepth) then write theirs, which then nothing shows at, as after a clear: no key
+//! belongs to it. [Sorted](Blend::Sorted) ones are tested as they come and blended by descending depth when
+//! their run ends, equally deep ones in their order.
 //!
 //! *Colour* is linear `f32` at every sample. Four samples resolve to `((a + b) + (c + d)) / 4`; a byte
 //! is the one whose linear value is nearest as seen in sRGB.
@@ -84,6 +86,7 @@ mod items;
 mod kernel;
 mod lanes;
 mod layer;
+mod layers;
 mod line_blend;
 mod lines;
 mod pass;
@@ -154,8 +157,16 @@ pub enum Blend {
     /// The nearest fragment wins, whatever the order of drawing; writes depth.
     Opaque,
     /// `source · alpha + destination · (1 − alpha)` in linear colour, in submission order, where
-    /// the fragment is nearer than what opaque batches left; writes no depth.
+    /// the fragment is nearer than the depth that is there; writes no depth.
     Alpha,
+    /// The same, and writes depth: of what comes later, what lies behind is lost.
+    AlphaAndDepth,
+    /// As `Alpha`, but of consecutive batches that blend so all fragments together, at every sample the
+    /// farthest first: what blending in order is an approximation of. Equally far ones keep their order.
+    Sorted,
+    /// `source + destination` in linear colour and alpha, as they come, where the fragment is nearer than
+    /// the depth that is there; writes no depth.
+    Add,
 }
 
 /// A part of a draw, ready to be rasterized.

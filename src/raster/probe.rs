@@ -158,7 +158,9 @@ impl Point<'_> {
                 Verdict::of(fragment, pixel, self.samples),
                 fragment.shade(&moved(fragment, pixel)),
             ),
-            Blend::Alpha => (Verdict::tested(fragment, pixel), fragment.shade(pixel)),
+            Blend::Alpha | Blend::AlphaAndDepth | Blend::Sorted | Blend::Add => {
+                (Verdict::tested(fragment, pixel), fragment.shade(pixel))
+            }
         })
     }
 }

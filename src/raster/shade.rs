@@ -3,12 +3,14 @@
 use std::ops::Range;
 
 use super::by_sample::moved;
+use super::frame::NOTHING;
 use super::items::{Item, NOBODY};
+use super::layers::Layer;
 use super::pixels::{Along, SpanRows, gains};
 use super::plane::{Attributes, Edges, coordinates, depth_at};
 use super::setup::{Chunk, Triangle, key};
 use super::tile::{Choice, Tile, Winners};
-use super::{Counters, Fragment};
+use super::{Blend, Counters, Fragment};
 use crate::math::{Vec4, index_u32};
 
 /// Shades what triangles of a chunk won, as the tile's items list it.
@@ -88,6 +90,7 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
 ) {
     let exact = tile.scene.counters == Counters::Exact;
     let number = chunk.batch;
+    let blend = tile.scene.batches[number as usize].blend;
     for place in 0..choice.count(chunk) {
         let triangle = &chunk.triangles[choice.triangle(place)];
         let edges = Edges::of(triangle);
@@ -99,9 +102,9 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
         let mut blend_pixel = |along: &Along, [x, y]: [i32; 2], covered: u32| {
             let first = tile.index(x, y) * SAMPLES;
             let mut nearer = 0_u32;
-            for (sample, gain) in gains.iter().enumerate() {
-                let depth = depth_at(triangle, along.sample(*gain)).to_bits();
-                let passes = depth < tile.depth[first + sample];
+            let depths = gains.map(|gain| depth_at(triangle, along.sample(gain)).to_bits());
+            for (sample, depth) in depths.iter().enumerate() {
+                let passes = *depth < tile.depth[first + sample];
                 nearer |= u32::from(passes) << sample;
             }
             nearer &= covered;
@@ -135,10 +138,9 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
                 return;
             };
             tile.work(number).visible += u64::from(nearer.count_ones());
-            for sample in 0..SAMPLES {
-                if nearer >> sample & 1 == 1 {
-                    let there = &mut tile.colour[first + sample];
-                    *there = over(colour, *there);
+            for (index, depth) in (first..).zip(depths) {
+                if nearer >> (index - first) & 1 == 1 {
+                    put(tile, blend, index, depth, colour);
                 }
             }
         };
@@ -156,9 +158,29 @@ pub(super) fn blend<F: Fragment, const SAMPLES: usize>(
     }
 }
 
+/// Lets a fragment that is nearer meet what is there at a sample.
+#[inline]
+fn put(tile: &mut Tile<'_, '_>, blend: Blend, index: usize, depth: u32, colour: Vec4) {
+    let there = &mut tile.colour[index];
+    match blend {
+        Blend::Opaque | Blend::Alpha => *there = over(colour, *there),
+        Blend::AlphaAndDepth => {
+            *there = over(colour, *there);
+            tile.depth[index] = depth;
+            tile.shown[index] = NOTHING;
+        }
+        Blend::Sorted => tile.scratch.layers.push(Layer {
+            index: index_u32(index),
+            depth,
+            colour,
+        }),
+        Blend::Add => *there += colour,
+    }
+}
+
 /// `source · alpha + destination · (1 − alpha)`; alpha itself is `alpha + destination · (1 − alpha)`.
 #[inline]
-fn over(source: Vec4, destination: Vec4) -> Vec4 {
+pub(super) fn over(source: Vec4, destination: Vec4) -> Vec4 {
     let factor = Vec4::new(source.w, source.w, source.w, 1.0);
     source * factor + destination * (1.0 - source.w)
 }

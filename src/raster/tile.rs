@@ -8,6 +8,7 @@ use super::bin::Entry;
 use super::candidates::Candidates;
 use super::frame::{BLOCK_SIDE, NOTHING};
 use super::items::{Item, Items, NOBODY, each_owner};
+use super::layers::{Layer, blend_sorted};
 use super::lines::Run;
 use super::piece::Piece;
 use super::reach::Cover;
@@ -41,6 +42,8 @@ pub(super) struct Scratch<'a> {
     /// Whether this call has drawn the sample in a run before.
     pub(super) drawn: Vec<bool>,
     pub(super) items: Items,
+    /// Fragments of the run in work that are blended when it ends.
+    pub(super) layers: Vec<Layer>,
     /// Put back by whoever takes it.
     pub(super) candidates: Option<Box<Candidates>>,
     visits: Vec<Visit>,
@@ -109,6 +112,7 @@ impl Scratch<'_> {
             winners: Vec::new(),
             chunks: Vec::new(),
             items: Items::default(),
+            layers: Vec::new(),
             candidates: None,
             visits: Vec::new(),
             spare: Spare::default(),
@@ -202,8 +206,8 @@ impl<'t, 'a> Tile<'t, 'a> {
             first = range.end;
             match scene.batches[batch(&entries[0]) as usize].blend {
                 Blend::Opaque => self.draw_opaque(range),
-                Blend::Alpha if self.has_colour() => self.blend(range),
-                Blend::Alpha => {}
+                _ if self.has_colour() => self.blend(range),
+                Blend::Alpha | Blend::AlphaAndDepth | Blend::Sorted | Blend::Add => {}
             }
         }
     }
@@ -364,6 +368,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             }
             first = end;
         }
+        blend_sorted(&mut self.scratch.layers, self.colour);
     }
 
     /// Enters a triangle of the chunk in work among the winners; answers what its samples are marked

@@ -153,13 +153,13 @@ impl Program for LeafQuads {
             (Texturing::Whole, Some(texture), Blend::Opaque) => {
                 Box::new(Textured::<false, true>::new(texture, surface))
             }
-            (Texturing::Whole, Some(texture), Blend::Alpha) => {
+            (Texturing::Whole, Some(texture), _) => {
                 Box::new(Textured::<false, false>::new(texture, surface))
             }
             (Texturing::Tiles, Some(texture), Blend::Opaque) => {
                 Box::new(Textured::<true, true>::new(texture, surface))
             }
-            (Texturing::Tiles, Some(texture), Blend::Alpha) => {
+            (Texturing::Tiles, Some(texture), _) => {
                 Box::new(Textured::<true, false>::new(texture, surface))
             }
         }

@@ -65,11 +65,22 @@ pub(super) const SAMPLES: [Samples; 2] = [Samples::One, Samples::Four];
 
 #[test]
 fn threads_tiles_and_counters_leave_no_trace() {
+    for blend in [
+        Blend::Alpha,
+        Blend::AlphaAndDepth,
+        Blend::Sorted,
+        Blend::Add,
+    ] {
+        leave_no_trace(blend);
+    }
+}
+
+fn leave_no_trace(blend: Blend) {
     let (tested, glass, solid) = (leaves(700, 1), leaves(150, 2), leaves(100, 3));
     let batches = [
         tested.batch(Topology::QuadList, &Quarter),
         Batch {
-            blend: Blend::Alpha,
+            blend,
             group: 1,
             ..glass.batch(Topology::QuadList, &Quarter)
         },
@@ -100,9 +111,12 @@ fn threads_tiles_and_counters_leave_no_trace() {
                 }
             }
         }
-        assert!(seen.windows(2).all(|pair| pair[0] == pair[1]));
+        assert!(seen.windows(2).all(|pair| pair[0] == pair[1]), "{blend:?}");
         assert!(exact.windows(2).all(|pair| pair[0] == pair[1]), "{exact:?}");
-        assert!(exact[0].alpha_killed > 0 && exact[0].visible > 10_000);
+        assert!(
+            exact[0].alpha_killed > 0 && exact[0].visible > 10_000,
+            "{blend:?}"
+        );
     }
 }
 

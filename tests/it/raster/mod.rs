@@ -1,5 +1,6 @@
 //! The rasterizer against closed forms, drawn pictures and properties.
 
+mod blending;
 mod by_sample;
 mod determinism;
 mod lines;
