@@ -294,10 +294,11 @@ mod tests {
     #[test]
     fn what_lies_beside_full_texels_is_not_lost_at_the_first_level() {
         const SIDE: usize = 48;
+        let size = [SIDE, SIDE].map(crate::math::index_u32);
         let alpha = [255, 115, 0];
         let texels = (0..SIDE * SIDE).flat_map(|k| [0, 0, 0, alpha[k % SIDE % 3]]);
         let mut levels = vec![texels.collect()];
-        deal_out(&mut levels, [SIDE as u32; 2], 0.5);
+        deal_out(&mut levels, size, 0.5);
         let wanted = (255.0 + 115.0) / (3.0 * 255.0);
         let got = area_passing(&levels[0], [SIDE; 2]);
         assert!((got - wanted).abs() < 0.05, "{wanted}: {got}");
