@@ -42,11 +42,12 @@ impl<'a> DepthMap<'a> {
     }
 }
 
-/// Refuses the depth of what a pass draws into.
+/// Refuses the depth or colour, as `wanted` says, of what a pass draws into.
 pub(super) fn check_other(
     device: &Device,
     target: TargetId,
     drawn: TargetId,
+    wanted: &str,
 ) -> Result<(), GpuError> {
     let slot = device.target(target)?;
     if target != drawn {
@@ -55,6 +56,6 @@ pub(super) fn check_other(
     Err(GpuError::Usage {
         label: slot.label.clone(),
         has: "the target of the pass".to_owned(),
-        wanted: "depth that it reads".to_owned(),
+        wanted: format!("{wanted} that it reads"),
     })
 }

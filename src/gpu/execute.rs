@@ -310,7 +310,7 @@ fn watch_reads(device: &mut Device, plan: &Plan) {
 /// Enters a pass into the ledger; `outcomes` holds what came of each draw.
 fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
     let exact = device.descriptor.raster.counters == Counters::Exact;
-    let mut pulled = Vec::new();
+    let mut pulled = plan.pulled.clone();
     let mut ticks = 0;
     let mut sums = Ledger {
         command_bytes: plan.command_bytes,

@@ -25,6 +25,7 @@
 mod assemble;
 mod bus;
 mod card;
+mod colour;
 mod compute;
 mod depth;
 mod device;
@@ -52,6 +53,7 @@ pub use crate::raster::{Counters, Options, Samples, TileSize};
 pub use crate::raster::{Image, Key, ProbedFragment, Target, TargetLayer};
 pub use bus::{Recording, RecordingEntry, ResourceId};
 pub use card::{Card, DispatchWork, DrawWork};
+pub use colour::ColourMap;
 pub use compute::{Access, ComputeLayout, ComputeProgram, Group};
 pub use depth::DepthMap;
 pub use device::{Device, DeviceDescriptor};
@@ -59,8 +61,8 @@ pub use error::GpuError;
 pub use ledger::{Cause, ComputeCounts, Ledger, Share, Stream, Traffic, Transfer, WorkCounts};
 pub use link::{Link, TICKS_PER_NANOSECOND, Ticks, nanoseconds};
 pub use pass::{
-    Command, ComputePass, ComputeStep, Corners, Draw, DrawFromCounter, DrawIndirect,
-    IndirectRecord, Load, RESTART, RenderPass, Step,
+    Command, ComputePass, ComputeStep, Corners, Draw, DrawFromCounter, DrawIndirect, DrawInstanced,
+    DrawInstancedIndirect, IndirectRecord, Load, RESTART, RenderPass, Step,
 };
 pub use program::{Bindings, Hulls, Layout, MAX_SLOTS, Program, Transform, VertexCall, Words};
 pub use queue::{Queue, Region};

@@ -6,6 +6,8 @@
 //! |---|---:|
 //! | bind a program, buffer, texture or depth | 8 |
 //! | draw, or draw from a counter | 20 |
+//! | instanced draw, with the buffer of its instances | 28 |
+//! | the same with arguments from a buffer | 16 |
 //! | indirect draw, each record | 8 |
 //! | indirect draw whose records the device walks by itself | 20 |
 //! | begin a pass: target, load operation, clear values | 24 |
@@ -104,6 +106,13 @@ pub enum Step {
         /// The target.
         target: TargetId,
     },
+    /// Sets a target whose colour the fragment stage reads, another than the pass draws into.
+    Colour {
+        /// The program's slot, counted apart from those of textures and depths.
+        slot: u32,
+        /// The target.
+        target: TargetId,
+    },
     /// Leaves a texture slot empty.
     NoTexture {
         /// The program's slot.
@@ -117,6 +126,10 @@ pub enum Step {
     MultiDrawIndirect(DrawIndirect),
     /// Draws what a counter in a buffer leaves.
     DrawFromCounter(DrawFromCounter),
+    /// Draws the same for several instances.
+    DrawInstanced(DrawInstanced),
+    /// Draws the same for several instances, with arguments from a buffer.
+    DrawInstancedIndirect(DrawInstancedIndirect),
 }
 
 /// A draw whose arguments are in the command; they carry no state of a model. To short indices it
@@ -132,6 +145,43 @@ pub struct Draw {
     pub corner_count: u32,
     /// The instance; second part of the key that breaks ties of depth.
     pub instance: u32,
+    /// First part of the key.
+    pub group: u32,
+}
+
+/// A draw that is done once for each of several instances, in their order, whose numbers lie in a buffer: one
+/// draw for the command stream, vertices and primitives of each for all else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DrawInstanced {
+    /// Whether corners are indices or count up.
+    pub source: Corners,
+    /// The first corner.
+    pub first_corner: u32,
+    /// How many corners each has.
+    pub corner_count: u32,
+    /// The buffer of instances, a little-endian `u32` each, with [`Usage::VERTEX`](super::Usage::VERTEX):
+    /// second parts of keys. From host memory each draw pulls them.
+    pub instances: BufferId,
+    /// The place of the first in it.
+    pub first_instance: u32,
+    /// How many there are.
+    pub instance_count: u32,
+    /// First part of the key.
+    pub group: u32,
+}
+
+/// The same with its first corner, both counts and the first instance in a buffer: an [`IndirectRecord`], of
+/// which `instance` is a place in the buffer of instances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DrawInstancedIndirect {
+    /// Whether corners are indices or count up.
+    pub source: Corners,
+    /// The buffer of the record, on the device.
+    pub arguments: BufferId,
+    /// The record's first byte.
+    pub offset: u64,
+    /// The buffer of instances, as [`DrawInstanced`] has it.
+    pub instances: BufferId,
     /// First part of the key.
     pub group: u32,
 }
@@ -214,20 +264,20 @@ pub struct DrawFromCounter {
 /// | bytes | field          | type  | meaning |
 /// |------:|----------------|-------|---------|
 /// | 0–3   | `corner_count` | `u32` | corners to draw |
-/// | 4–7   | `instances`    | `u32` | 1, or 0 to draw nothing |
+/// | 4–7   | `instances`    | `u32` | 1, or 0 to draw nothing; more for instanced draws |
 /// | 8–11  | `first_corner` | `u32` | the first corner |
-/// | 12–15 | `instance`     | `u32` | second part of the key |
+/// | 12–15 | `instance`     | `u32` | second part of the key; of instanced draws the place of the first instance |
 ///
 /// Little-endian and unpadded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct IndirectRecord {
     /// Corners to draw.
     pub corner_count: u32,
-    /// 1, or 0 to draw nothing; further instances come with the forests.
+    /// 1, or 0 to draw nothing; [instanced draws](DrawInstancedIndirect) take more.
     pub instances: u32,
     /// The first corner.
     pub first_corner: u32,
-    /// Second part of the key that breaks ties of depth.
+    /// Second part of the key; of instanced draws the place of the first instance.
     pub instance: u32,
 }
 

@@ -7,13 +7,14 @@ use super::assemble::{Arguments, corners, triangles_of_strips, windows};
 use super::depth::check_other;
 use super::mesh::{Mesh, MeshKey, Meshes};
 use super::pass::{
-    BIND_BYTES, Corners, DRAW_BYTES, DrawFromCounter, DrawIndirect, INDIRECT_BYTES, PASS_BYTES,
-    RESTART, RenderPass, Step,
+    BIND_BYTES, Corners, DRAW_BYTES, DrawFromCounter, DrawIndirect, DrawInstanced,
+    DrawInstancedIndirect, INDIRECT_BYTES, IndirectRecord, PASS_BYTES, RESTART, RenderPass, Step,
 };
 use super::program::{Bindings, Layout, MAX_SLOTS, Program, Words};
 use super::resource::Buffer;
 use super::{
-    BufferId, DepthMap, Device, GpuError, ProgramId, Residency, TargetId, TextureId, Usage,
+    BufferId, ColourMap, DepthMap, Device, GpuError, ProgramId, Residency, TargetId, TextureId,
+    Usage,
 };
 use crate::math::{index_u32, index_usize};
 use crate::raster::Topology;
@@ -24,6 +25,8 @@ pub(super) struct Plan {
     pub(super) command_bytes: u64,
     /// Draw arguments read from buffers.
     pub(super) argument_reads: Vec<(BufferId, Range<usize>)>,
+    /// Numbers of instances pulled from host memory: the buffer's label, and how many bytes.
+    pub(super) pulled: Vec<(String, u64)>,
 }
 
 /// The records of one step: drawn as one, since only their key tells them apart, and they share it.
@@ -81,6 +84,7 @@ pub(super) struct State {
     pub(super) storage: [Option<BufferId>; MAX_SLOTS],
     textures: [Option<TextureId>; MAX_SLOTS],
     depths: [Option<TargetId>; MAX_SLOTS],
+    colours: [Option<TargetId>; MAX_SLOTS],
 }
 
 impl State {
@@ -98,6 +102,9 @@ impl State {
             depths: self
                 .depths
                 .map(|slot| slot.map(|id| DepthMap::of(device, id))),
+            colours: self
+                .colours
+                .map(|slot| slot.map(|id| ColourMap::of(device, id))),
         }
     }
 
@@ -175,6 +182,7 @@ pub(super) fn plan(
         draws: Vec::new(),
         command_bytes: PASS_BYTES,
         argument_reads: Vec::new(),
+        pulled: Vec::new(),
     };
     let mut state: Option<Arc<State>> = None;
     let mut vertices = None;
@@ -182,6 +190,7 @@ pub(super) fn plan(
     let mut storage = [None; MAX_SLOTS];
     let mut textures = [None; MAX_SLOTS];
     let mut depths = [None; MAX_SLOTS];
+    let mut colours = [None; MAX_SLOTS];
     let mut program: Option<(ProgramId, Arc<dyn Program>)> = None;
     meshes.begin_pass();
     for step in &pass.steps {
@@ -218,8 +227,14 @@ pub(super) fn plan(
                 None
             }
             Step::Depth { slot, target } => {
-                check_other(device, target, pass.target)?;
+                check_other(device, target, pass.target, "depth")?;
                 *slot_mut(&mut depths, slot)? = Some(target);
+                None
+            }
+            Step::Colour { slot, target } => {
+                check_other(device, target, pass.target, "colour")?;
+                device.target(target)?.check_colour()?;
+                *slot_mut(&mut colours, slot)? = Some(target);
                 None
             }
             Step::NoTexture { slot } => {
@@ -263,7 +278,21 @@ pub(super) fn plan(
                 plan.argument_reads.push((draw.counter, range));
                 Some(vec![arguments])
             }
+            Step::DrawInstanced(draw) => {
+                plan.command_bytes += BIND_BYTES + DRAW_BYTES;
+                Some(plan.instances_of(device, &draw)?)
+            }
+            Step::DrawInstancedIndirect(draw) => {
+                plan.command_bytes += BIND_BYTES + INDIRECT_BYTES;
+                let (draw, range) = instanced_arguments(device, &draw)?;
+                plan.argument_reads.push(range);
+                Some(plan.instances_of(device, &draw)?)
+            }
         };
+        let is_instanced = matches!(
+            step,
+            Step::DrawInstanced(_) | Step::DrawInstancedIndirect(_)
+        );
         let Some(drawn) = drawn else {
             plan.command_bytes += BIND_BYTES;
             state = None;
@@ -283,14 +312,86 @@ pub(super) fn plan(
                 storage,
                 textures,
                 depths,
+                colours,
             }));
         }
         let state = state.as_ref().expect("set above");
-        for together in drawn.chunk_by(|a, b| a.instance == b.instance) {
-            plan.draws.push(plan_draw(device, meshes, state, together)?);
+        for (place, together) in (0..).zip(in_one(&drawn, is_instanced)) {
+            let mut draw = plan_draw(device, meshes, state, together)?;
+            if is_instanced && place > 0 {
+                // The first counts for all.
+                (draw.draws, draw.empty_draws) = (0, 0);
+            }
+            plan.draws.push(draw);
         }
     }
     Ok(plan)
+}
+
+/// Those that are drawn as one: records of the same instance; of an instanced draw each by itself.
+fn in_one(drawn: &[Arguments], is_instanced: bool) -> impl Iterator<Item = &[Arguments]> {
+    drawn.chunk_by(move |a, b| !is_instanced && a.instance == b.instance)
+}
+
+impl Plan {
+    /// The draws of all instances; without any an empty one. The buffer of instances is read.
+    fn instances_of(
+        &mut self,
+        device: &Device,
+        draw: &DrawInstanced,
+    ) -> Result<Vec<Arguments>, GpuError> {
+        let buffer = device.buffer(draw.instances)?;
+        buffer.check_usage(Usage::VERTEX)?;
+        let [offset, size] =
+            [draw.first_instance, draw.instance_count].map(|count| 4 * u64::from(count));
+        let range = buffer.range(offset, size, "instanced draw")?;
+        let of = |instance, corner_count| Arguments {
+            source: draw.source,
+            first_corner: draw.first_corner,
+            corner_count,
+            first_vertex: 0,
+            instance,
+            group: draw.group,
+        };
+        let numbers = buffer.bytes[range.clone()].as_chunks::<4>().0.iter();
+        let mut all: Vec<Arguments> = numbers
+            .map(|four| of(u32::from_le_bytes(*four), draw.corner_count))
+            .collect();
+        if all.is_empty() {
+            all.push(of(0, 0));
+        }
+        if buffer.residency == Residency::Host {
+            self.pulled.push((buffer.label.clone(), size));
+        }
+        self.argument_reads.push((draw.instances, range));
+        Ok(all)
+    }
+}
+
+/// The arguments of an instanced draw, and where they lie.
+fn instanced_arguments(
+    device: &Device,
+    draw: &DrawInstancedIndirect,
+) -> Result<(DrawInstanced, (BufferId, Range<usize>)), GpuError> {
+    let buffer = device.buffer(draw.arguments)?;
+    buffer.check_usage(Usage::INDIRECT)?;
+    buffer.check_on_device("arguments of an instanced draw")?;
+    let range = buffer.range(draw.offset, IndirectRecord::STRIDE, "instanced draw")?;
+    let words = buffer.bytes[range.clone()].as_chunks::<4>().0;
+    let word = |place: usize| {
+        let bytes = words.get(place).copied().unwrap_or_default();
+        u32::from_le_bytes(bytes)
+    };
+    let arguments = DrawInstanced {
+        source: draw.source,
+        corner_count: word(0),
+        instance_count: word(1),
+        first_corner: word(2),
+        first_instance: word(3),
+        instances: draw.instances,
+        group: draw.group,
+    };
+    Ok((arguments, (draw.arguments, range)))
 }
 
 fn slot_mut<T>(slots: &mut [Option<T>; MAX_SLOTS], slot: u32) -> Result<&mut Option<T>, GpuError> {

@@ -2,7 +2,7 @@
 
 use super::reads::ReadSet;
 use super::resource::Buffer;
-use super::{BufferId, DepthMap};
+use super::{BufferId, ColourMap, DepthMap};
 use crate::math::{Mat4, Vec3};
 use crate::raster::{Blend, Geometry, Instructions, Kernel, MipMap, Topology};
 
@@ -135,6 +135,7 @@ pub struct Bindings<'a> {
     pub(super) storage: [Option<Words<'a>>; MAX_SLOTS],
     pub(super) textures: [Option<&'a MipMap>; MAX_SLOTS],
     pub(super) depths: [Option<DepthMap<'a>>; MAX_SLOTS],
+    pub(super) colours: [Option<ColourMap<'a>>; MAX_SLOTS],
 }
 
 impl<'a> Bindings<'a> {
@@ -164,6 +165,12 @@ impl<'a> Bindings<'a> {
     #[must_use]
     pub fn depth(&self, slot: usize) -> Option<DepthMap<'a>> {
         self.depths.get(slot).copied().flatten()
+    }
+
+    /// The colour of a target, where one is bound.
+    #[must_use]
+    pub fn colour(&self, slot: usize) -> Option<ColourMap<'a>> {
+        self.colours.get(slot).copied().flatten()
     }
 }
 

@@ -6,6 +6,7 @@ mod counting;
 mod depth;
 mod draws;
 mod handles;
+mod instances;
 mod ranges;
 
 use std::sync::Arc;
