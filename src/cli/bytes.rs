@@ -79,7 +79,9 @@ fn all_on(card: Card) -> Vec<Variant> {
         gathered: kind == Kind::LodfSlots,
         ..Variant::usual(kind)
     });
-    let trunks = TrunkKind::all().flat_map(|trunk| {
+    // Branches are another tree than the mesh: `spinney branches` tells what they send.
+    let trunks = TrunkKind::all().filter(|kind| !kind.has_errors());
+    let trunks = trunks.flat_map(|trunk| {
         let trunk = |gathered| Variant {
             trunk: Some(trunk),
             gathered,

@@ -103,7 +103,7 @@ pub(super) fn trunk_story(
     };
     Some(TrunkStory {
         level: level.map(|level| TrunkLevelStory {
-            collapses: level.collapses,
+            collapses: level.collapses(),
             all_collapses: trunk.collapses().collapse_count(),
             triangles: trunk.triangle_count(level),
         }),
@@ -132,7 +132,7 @@ fn changes(trunk: &Trunk, triangle: u32, level: TrunkLevel) -> [Option<VertexCol
             vertex: number(vertex),
             target: number(collapses.target(vertex)?),
             removes: collapses.removal(triangle) == Some(collapse + 1),
-            done: collapse < level.collapses,
+            done: collapse < level.collapses(),
         })
     };
     let (mut made, mut next) = (None, None);
@@ -140,7 +140,7 @@ fn changes(trunk: &Trunk, triangle: u32, level: TrunkLevel) -> [Option<VertexCol
         let mut vertex = corner;
         while let Some(collapse) = collapses.collapse_of(vertex) {
             let found = (collapse, vertex);
-            if collapse >= level.collapses {
+            if collapse >= level.collapses() {
                 next = Some(next.map_or(found, |known: (u32, u32)| known.min(found)));
                 break;
             }

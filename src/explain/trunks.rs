@@ -199,7 +199,7 @@ pub(super) fn level_difference(
             return Ok(Some(LevelDifference {
                 frame: *frame,
                 tree,
-                collapses: pair.map(|level| level.collapses),
+                collapses: pair.map(TrunkLevel::collapses),
                 triangles: [0, 1].map(|side| triangles(side).unwrap_or(0)),
                 trees: 1 + index_u32(differ.count()),
             }));

@@ -1,7 +1,8 @@
 //! Card profiles: how long a named card would take for what was counted.
 //!
 //! A model. For every draw, the largest of five costs counts, since the units of a card work side
-//! by side: vertices ÷ vertex rate, triangles ÷ set-up rate, samples ÷ fill rate, texels ÷ texture
+//! by side: vertices ÷ vertex rate, triangles ÷ set-up rate (of programs whose vertex stage pulls, whichever
+//! is more of what they are given and what they emit), samples ÷ fill rate, texels ÷ texture
 //! rate, bytes ÷ memory bandwidth. Bytes are 4 per index, the vertex bytes, 4 B of depth read a
 //! covered sample, and 8 B of depth and colour written a visible one. Rates are published peak
 //! figures and frozen; a triangle a clock is taken for set-up.

@@ -75,9 +75,12 @@ fn draw(device: &Device, plan: &Plan, target: &mut Target) -> (Vec<Outcome>, Ski
         .zip(&sources)
         .map(|(work, source)| {
             let pulls = counted && source.draw.state.program.layout().pulled_vertex_bytes > 0;
+            let [emitted_vertices, emitted_primitives] =
+                if pulls { source.emitted() } else { [0; 2] };
             Outcome {
                 work,
-                emitted_vertices: if pulls { source.emitted_vertices() } else { 0 },
+                emitted_vertices,
+                emitted_primitives,
             }
         });
     (outcomes.collect(), rendered.skips)
@@ -180,13 +183,16 @@ impl DrawSource<'_> {
         geometry
     }
 
-    /// How many vertices the vertex stage emits.
-    fn emitted_vertices(&self) -> u64 {
-        let parts = 0..self.parts(self.draw.topology);
-        let emitted = parts
-            .into_par_iter()
-            .map(|part| self.emit(part, ALL, Geometry::default()).clip.len() as u64);
-        emitted.collect::<Vec<u64>>().into_iter().sum()
+    /// How many vertices and primitives the vertex stage emits.
+    fn emitted(&self) -> [u64; 2] {
+        let topology = self.draw.topology;
+        let emitted = (0..self.parts(topology)).into_par_iter().map(|part| {
+            let geometry = self.emit(part, ALL, Geometry::default());
+            [geometry.clip.len(), geometry.primitive_count(topology)].map(|count| count as u64)
+        });
+        let emitted: Vec<[u64; 2]> = emitted.collect();
+        let add = |[a, b]: [u64; 2], [c, d]: [u64; 2]| [a + c, b + d];
+        emitted.into_iter().fold([0; 2], add)
     }
 }
 
@@ -259,6 +265,8 @@ struct Outcome {
     work: raster::Work,
     /// Vertices that the vertex stage emitted.
     emitted_vertices: u64,
+    /// Primitives that it emitted.
+    emitted_primitives: u64,
 }
 
 /// Marks what the input assembler reads, and lets programs mark the rest.
@@ -322,9 +330,11 @@ fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
         sums.empty_draws += draw.empty_draws;
         sums.vertices += vertices;
         sums.primitives += primitives;
+        // Of stages that make more than they are given, what they make.
+        let set_up = primitives.max(outcome.emitted_primitives);
         let triangles = match draw.topology {
-            Topology::TriangleList | Topology::LineList => primitives,
-            Topology::QuadList => 2 * primitives,
+            Topology::TriangleList | Topology::LineList => set_up,
+            Topology::QuadList => 2 * set_up,
         };
         let layout = draw.state.program.layout();
         let mut input_bytes = u64::from(layout.pulled_primitive_bytes) * primitives
@@ -342,7 +352,7 @@ fn count(device: &mut Device, plan: &Plan, outcomes: &[Outcome]) {
             }
         }
         ticks += device.descriptor.card.ticks(&DrawWork {
-            vertices,
+            vertices: vertices.max(outcome.emitted_vertices),
             triangles,
             covered: outcome.work.covered,
             visible: outcome.work.visible,

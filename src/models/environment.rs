@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::branches::{LineProgram, Of, SkeletonProgram};
 use super::expand_pass::ExpandPass;
 use super::faces::FaceProgram;
 use super::format::LeafFormat;
@@ -25,12 +26,17 @@ pub struct Environment {
     leaf: [[ProgramId; 4]; 3],
     pub(super) mesh: ProgramId,
     pub(super) face: ProgramId,
+    pub(super) branch_lines: ProgramId,
+    /// By what is expanded.
+    pub(super) skeleton: [ProgramId; 4],
     view: BufferId,
     instances: BufferId,
     lens: Option<Lens>,
     occluders: Option<Occluders>,
     pub(super) shadow: Option<ShadowMap>,
     rooms: u32,
+    /// See [`seen_by`](Self::seen_by).
+    pub(super) pixels_per_metre: f32,
 }
 
 /// What devices that select by themselves need.
@@ -316,12 +322,21 @@ impl Environment {
             leaf,
             mesh: device.create_program(Arc::new(MeshProgram)),
             face: device.create_program(Arc::new(FaceProgram)),
+            branch_lines: device.create_program(Arc::new(LineProgram)),
+            skeleton: [
+                Of::WoodPolygons,
+                Of::WoodLines,
+                Of::NeedlePolygons,
+                Of::NeedleLines,
+            ]
+            .map(|of| device.create_program(Arc::new(SkeletonProgram(of)))),
             view,
             instances,
             lens: None,
             occluders: None,
             shadow: None,
             rooms: 1,
+            pixels_per_metre: 0.0,
         })
     }
 
@@ -412,6 +427,16 @@ impl Environment {
     pub fn with_rooms(self, instances: u32) -> Self {
         Self {
             rooms: instances,
+            ..self
+        }
+    }
+
+    /// The same for views in which a metre spans so many pixels where `w` of clip space is 1: models with lines
+    /// that are uploaded then know how much of a pixel these cover.
+    #[must_use]
+    pub fn seen_by(self, pixels_per_metre: f32) -> Self {
+        Self {
+            pixels_per_metre,
             ..self
         }
     }

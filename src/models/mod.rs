@@ -41,6 +41,7 @@
 //!
 //! Trunks are models of the same form: [`TrunkModel`], with a [`TrunkLevel`] for a state.
 
+mod branches;
 mod cards;
 mod clip_box;
 mod crown;
@@ -68,6 +69,7 @@ mod viewpoint;
 
 use std::sync::Arc;
 
+pub use branches::{BRANCH_GROUP, NEEDLE_GROUP};
 pub use cards::LeafMapFacts;
 pub use crown::Crown;
 pub use environment::{Camera, Environment, Placement, View};
@@ -92,6 +94,9 @@ use cards::RivalForm;
 use crate::gpu::{Command, Device, GpuError, Key, Ledger, Queue, Step};
 use crate::math::{DVec3, Vec3, index_u32};
 use crate::scene::CardOptions;
+use crate::simplify::PrimitiveCounts;
+
+pub use crate::simplify::ErrorStep;
 
 /// A level-of-detail model of one crown: immutable, made offline.
 pub trait Model: Send + Sync + std::fmt::Debug {
@@ -219,6 +224,15 @@ pub trait Resident<S = State>: std::fmt::Debug {
 
     /// Adds the steps that draw what is left.
     fn draw_revealed(&self, _steps: &mut Vec<Step>) {}
+
+    /// Adds the steps that draw what is blended with what is behind it: after all that is opaque in the
+    /// frame, trees far away before near ones. It casts no shadow.
+    fn draw_lines(&self, _steps: &mut Vec<Step>) {}
+
+    /// Of how many quads, triangles and lines its branches are, where it draws branches.
+    fn primitives(&self) -> Option<PrimitiveCounts> {
+        None
+    }
 
     /// How many triangles of cards it draws in place of leaves.
     fn card_triangles(&self) -> u64 {

@@ -239,7 +239,7 @@ fn trunk_mesh(trunk: &Trunk, level: Option<TrunkLevel>) -> Mesh {
     let corners: Vec<u32> = match level {
         None => mesh.indices.clone(),
         Some(level) => {
-            let triangles = trunk.collapses().triangles_after(level.collapses);
+            let triangles = trunk.collapses().triangles_after(level.collapses());
             let order = trunk.collapses().order();
             triangles
                 .flat_map(|(_, corners)| corners.map(|vertex| order[vertex as usize]))

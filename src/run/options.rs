@@ -58,9 +58,9 @@ impl SessionOptions {
             known: known.join(", "),
         };
         let (link, card) = (&scene.device.link, &scene.device.card);
-        // The world is flat already: its leaves are drawn as they are.
+        // The world is flat or bare already: its leaves are drawn as they are.
         let drawn = match scene.model.name {
-            ModelName::Flattened => ModelName::Full,
+            ModelName::Flattened | ModelName::Bare => ModelName::Full,
             name => name,
         };
         let (name, mode) = (drawn.name(), scene.model.mode.name());

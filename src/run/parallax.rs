@@ -455,7 +455,12 @@ impl Scope {
             steps,
         };
         let residents = std::iter::once(&*self.resident);
-        queue.submit(&frame_commands(&self.environment, pass, residents))?;
+        queue.submit(&frame_commands(
+            &self.environment,
+            pass,
+            Vec::new(),
+            residents,
+        ))?;
         // Nobody asks what it cost.
         self.device.take_ledger();
         let target = self.device.inspect_target(self.target)?;

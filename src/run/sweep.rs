@@ -466,7 +466,7 @@ pub(super) fn states_at(
         let model = model.filter(|_| trunk.has_levels());
         TreeState {
             foliage: selector.at_step(crown, tree, &view, at),
-            trunk: model.map_or(TrunkLevel::FINEST, |model| model.level(at[0], at[1])),
+            trunk: model.map_or(TrunkLevel::FINEST, |model| trunk.level(model, at[0], at[1])),
         }
     };
     world.trees.iter().map(state).collect()

@@ -10,7 +10,7 @@ use super::progress::Progress;
 use crate::limits;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement, Trunk};
-use crate::plant::{Foliage, Mesh, Plant};
+use crate::plant::{Foliage, Mesh, Plant, Prototype};
 use crate::scene::{CardOptions, ModelName, PlantSource, Scene, Simplifier, Tree};
 use crate::simplify::{
     CollapseSequence, LeafCollapseOptions, LeafSite, PlaneClusters, PlaneHierarchy, PlaneLevel,
@@ -118,7 +118,11 @@ impl World {
                 None => {
                     let wanted = Wanted {
                         simplifier: scene.model.simplifier,
-                        stop_leaves: scene.model.stop_leaves,
+                        // Leaves that go need not be simplified.
+                        stop_leaves: match scene.model.name {
+                            ModelName::Bare => Some(u32::MAX),
+                            _ => scene.model.stop_leaves,
+                        },
                     };
                     // Before it is simplified, which takes far longer than to grow it.
                     let fits = |plant: &Plant| size.with_plant(number, plant).map(drop);
@@ -126,7 +130,9 @@ impl World {
                     let crown = store.crown(tree, folder, wanted, &fits, remarks)?;
                     size = size.with_plant(number, crown.plant())?;
                     let trunk = store.trunk(crown.plant(), scene.model.trunk_triangles);
-                    world.trunks.push(trunk.map(Arc::new));
+                    world
+                        .trunks
+                        .push(trunk.map(|trunk| Arc::new(trunk.branched(scene.branches))));
                     world.plants.push(Arc::clone(crown.plant()));
                     world.crowns.push(crown);
                     digests.push(None);
@@ -153,10 +159,10 @@ impl World {
                 placement: placement(tree),
             });
         }
-        Ok(if scene.model.name == ModelName::Flattened {
-            world.flattened(&scene.cards)
-        } else {
-            world
+        Ok(match scene.model.name {
+            ModelName::Flattened => world.flattened(&scene.cards),
+            ModelName::Bare => world.bare(),
+            _ => world,
         })
     }
 
@@ -187,6 +193,23 @@ impl World {
             let level = planes(plant);
             let flat = with_foliage(plant, flattened(plant.foliage(), &level));
             Arc::new(flat.in_planes(level))
+        };
+        Self {
+            crowns: self.crowns.iter().map(crown).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The same plants at the same places without leaves that have a surface: needles stay.
+    #[must_use]
+    pub fn bare(&self) -> Self {
+        let crown = |crown: &Arc<Crown>| {
+            let plant = crown.plant();
+            let groups = plant.foliage().groups.iter();
+            let needles =
+                groups.filter(|group| matches!(group.prototype, Prototype::Needle { .. }));
+            let groups = needles.cloned().collect();
+            Arc::new(with_foliage(plant, Foliage { groups }))
         };
         Self {
             crowns: self.crowns.iter().map(crown).collect(),

@@ -17,6 +17,7 @@
 //!
 #![doc = include_str!("keys.md")]
 
+mod branches;
 mod camera;
 mod cards;
 mod forest;
@@ -30,6 +31,10 @@ mod tree;
 mod value;
 mod write;
 
+pub use branches::{
+    BranchAlpha, BranchChoice, BranchFrames, BranchLines, BranchRemoval, BranchShares,
+    NeedleMerging,
+};
 pub use camera::{Camera, CameraKey, Projection, View};
 pub use cards::{
     CardCounts, CardDepth, CardOptions, CardOutline, CardSides, SpriteScale, Transparency,
@@ -86,6 +91,8 @@ pub struct Scene {
     pub model: ModelChoice,
     /// What stands in for leaves where the model draws cards.
     pub cards: CardOptions,
+    /// How wood and needles are drawn where trunks are branches.
+    pub branches: BranchChoice,
     /// The simulated device.
     pub device: DeviceChoice,
     /// What is compared with a stored reference, if anything.

@@ -58,6 +58,8 @@ choices! {
         /// No level of detail, and every leaf moved into the plane of its cluster: what impostors are
         /// equivalent to ([GSS05](crate::references), § 4).
         Flattened = "flattened",
+        /// No leaf that has a surface: trees in winter. Needles are no such leaves.
+        Bare = "bare",
     }
 }
 
@@ -112,6 +114,8 @@ choices! {
         LodStripsCut = "lodstrips-cut",
         /// Multiresolution ordered meshes ([RLBRC01](crate::references)).
         Mom = "mom",
+        /// Branches as polygons and lines, and needles ([ZBMJLDC17](crate::references)).
+        Branches = "branches",
     }
 }
 
@@ -122,6 +126,12 @@ choices! {
         Device = "device",
         /// In host memory: each draw fetches them.
         Host = "host",
+        /// Branches only: the level that shows is resident, and sent whole when it changes.
+        Mesh = "mesh",
+        /// Branches only: a few levels are resident, and nothing is sent.
+        Levels = "levels",
+        /// Branches only: skeletal vectors are resident; the device makes levels of them.
+        Skeleton = "skeleton",
     }
 }
 
@@ -211,6 +221,19 @@ choices! {
 
 pub(super) use choices;
 
+impl TrunkName {
+    /// The modes that the system has, the usual one first.
+    #[must_use]
+    pub fn modes(self) -> &'static [TrunkMode] {
+        match self {
+            Self::Full | Self::LodStrips | Self::LodStripsCut | Self::Mom => {
+                &[TrunkMode::Device, TrunkMode::Host]
+            }
+            Self::Branches => &[TrunkMode::Skeleton, TrunkMode::Mesh, TrunkMode::Levels],
+        }
+    }
+}
+
 impl ModelName {
     /// The modes that the system has, the usual one first.
     #[must_use]
@@ -224,7 +247,7 @@ impl ModelName {
                 Mode::Device,
                 Mode::Literal,
             ],
-            Self::Full | Self::Flattened => &[Mode::Resident],
+            Self::Full | Self::Flattened | Self::Bare => &[Mode::Resident],
             Self::Vdf => &[Mode::Host, Mode::Indices],
             Self::Impostors => &[Mode::Direct, Mode::Indirect],
             Self::Billboard => &[Mode::Axial, Mode::Facing, Mode::Depth],
@@ -238,7 +261,7 @@ impl ModelName {
     #[must_use]
     pub fn shows_leaves(self) -> bool {
         match self {
-            Self::Lodf | Self::Full | Self::Vdf | Self::Flattened => true,
+            Self::Lodf | Self::Full | Self::Vdf | Self::Flattened | Self::Bare => true,
             Self::Impostors
             | Self::Billboard
             | Self::Sprites

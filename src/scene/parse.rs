@@ -13,9 +13,10 @@ use super::Shadow;
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
-    Area, Camera, CameraKey, CardCounts, CardDepth, CardOptions, CardOutline, CardSides,
-    CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction, Forest, ForestChoice,
-    ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode, ModelChoice, ModelName, NoRoom,
+    Area, BranchAlpha, BranchChoice, BranchFrames, BranchLines, BranchRemoval, BranchShares,
+    Camera, CameraKey, CardCounts, CardDepth, CardOptions, CardOutline, CardSides, CriterionName,
+    DetailKind, DetailRange, DeviceChoice, Extraction, Forest, ForestChoice, ForestSpecies, Gather,
+    Golden, Layout, LeafAmount, Light, Mode, ModelChoice, ModelName, NeedleMerging, NoRoom,
     Occlusion, PlantSource, Projection, RecordWidth, SampleCount, Scene, SceneError, Simplifier,
     SpriteScale, Terrain, Transparency, Tree, TrunkMode, TrunkName, VertexFormat,
 };
@@ -164,6 +165,7 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         light: light(&below("light")?)?,
         shadow,
         cards: cards(&below("cards")?, model.mode)?,
+        branches: branches(&below("branches")?, &model)?,
         model,
         device: device(&below("device")?)?,
         golden: match root.table("golden")? {
@@ -388,6 +390,20 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
             }
         }
     }
+    let trunk = TrunkName::from_name(&name("trunk")?).expect(NAMED);
+    let trunk_mode = match table.get::<String>("trunk_mode")? {
+        None => trunk.modes()[0],
+        Some(mode) => TrunkMode::from_name(&mode).expect(NAMED),
+    };
+    if !trunk.modes().contains(&trunk_mode) {
+        let names = trunk
+            .modes()
+            .iter()
+            .map(|mode| format!("{:?}", mode.name()));
+        let names: Vec<String> = names.collect();
+        let wanted = format!("a mode of {:?}: {}", trunk.name(), names.join(" or "));
+        return Err(table.refuse("trunk_mode", &wanted));
+    }
     let budget = table.get("leaf_budget")?.map(small).map(LeafAmount::Budget);
     let share = table.get("leaf_share")?.map(LeafAmount::Share);
     let error = table.get("pixel_error")?.map(LeafAmount::PixelError);
@@ -408,8 +424,8 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         amount: budget.or(share).or(error),
         hysteresis: table.have("hysteresis")?,
         budget_bytes: table.get("budget_bytes")?,
-        trunk: TrunkName::from_name(&name("trunk")?).expect(NAMED),
-        trunk_mode: TrunkMode::from_name(&name("trunk_mode")?).expect(NAMED),
+        trunk,
+        trunk_mode,
         trunk_level: table.get("trunk_level")?,
         trunk_triangles: table.get("trunk_triangles")?.map(small),
     })
@@ -462,6 +478,36 @@ fn cards(table: &Reader<'_>, mode: Mode) -> Result<CardOptions, SceneError> {
         }
     }
     Ok(cards)
+}
+
+fn branches(table: &Reader<'_>, model: &ModelChoice) -> Result<BranchChoice, SceneError> {
+    /// The table of keys holds the same names as the type.
+    const NAMED: &str = "the table of keys allows these names only";
+    let name = |key| table.have::<String>(key);
+    let (finest, coarsest) = (table.have("finest")?, table.have("coarsest")?);
+    if finest >= coarsest {
+        let wanted = format!("more than `finest`, which is {finest}");
+        return Err(table.refuse("coarsest", &wanted));
+    }
+    let removal = BranchRemoval::from_name(&name("removal")?).expect(NAMED);
+    if removal == BranchRemoval::Volume && model.trunk_mode == TrunkMode::Skeleton {
+        let wanted = "\"distance\", since the device knows no other order in mode \"skeleton\"";
+        return Err(table.refuse("removal", wanted));
+    }
+    Ok(BranchChoice {
+        error: table.get("error")?,
+        pixel_error: table.have("pixel_error")?,
+        finest,
+        coarsest,
+        shares: BranchShares::from_name(&name("shares")?).expect(NAMED),
+        frames: BranchFrames::from_name(&name("frames")?).expect(NAMED),
+        torsion: table.have("torsion")?,
+        needles: NeedleMerging::from_name(&name("needles")?).expect(NAMED),
+        most_edges: small(table.have("most_edges")?),
+        line_alpha: BranchAlpha::from_name(&name("line_alpha")?).expect(NAMED),
+        line_normals: BranchLines::from_name(&name("line_normals")?).expect(NAMED),
+        removal,
+    })
 }
 
 fn device(table: &Reader<'_>) -> Result<DeviceChoice, SceneError> {

@@ -4,9 +4,9 @@ use crate::math::{Digest, Digester, Vec3};
 
 use super::value::BYTE_UNITS;
 use super::{
-    Camera, CardOptions, CriterionName, Forest, ForestChoice, Golden, LeafAmount, ModelChoice,
-    Occlusion, PlantSource, Projection, RecordWidth, SCHEMA, Scene, Simplifier, Terrain, Tree,
-    TrunkMode, TrunkName, VertexFormat,
+    BranchChoice, Camera, CardOptions, CriterionName, Forest, ForestChoice, Golden, LeafAmount,
+    ModelChoice, Occlusion, PlantSource, Projection, RecordWidth, SCHEMA, Scene, Simplifier,
+    Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -50,6 +50,7 @@ pub fn to_toml(scene: &Scene) -> String {
     }
     write_model(&mut text, &scene.model);
     write_cards(&mut text, &scene.cards);
+    write_branches(&mut text, &scene.branches);
     text.heading("[device]");
     text.key("memory", &byte_size(scene.device.memory));
     text.key("link", &quoted(&scene.device.link));
@@ -71,7 +72,7 @@ impl Scene {
     /// so are the places that a forest found.
     ///
     /// What came later stands at the end, after a text that names it, and only where it differs from
-    /// its default: forests, terrain, cards, shadow, and `selection` before the model's criterion, amount (by kind
+    /// its default: forests, terrain, cards, branches, shadow, and `selection` before the model's criterion, amount (by kind
     /// as `u32`), hysteresis and budget of bytes, which are not where the model is.
     /// [`ModelChoice::records`] and [`ModelChoice::vertices`] do so within their table.
     #[must_use]
@@ -113,6 +114,9 @@ impl Scene {
         digest_trunk(&mut digester, &self.model);
         if self.cards != CardOptions::USUAL {
             digest_cards(&mut digester, &self.cards);
+        }
+        if self.branches != BranchChoice::USUAL {
+            digest_branches(&mut digester, &self.branches);
         }
         if let Some(shadow) = &self.shadow {
             digester
@@ -282,6 +286,24 @@ fn write_cards(text: &mut Text, cards: &CardOptions) {
     text.key("sprites", &cards.sprites.to_string());
     text.key("sprite_texture", &cards.sprite_texture.to_string());
     text.key("scale", &quoted(cards.scale.name()));
+}
+
+fn write_branches(text: &mut Text, branches: &BranchChoice) {
+    text.heading("[branches]");
+    if let Some(error) = branches.error {
+        text.key("error", &error.to_string());
+    }
+    text.key("pixel_error", &branches.pixel_error.to_string());
+    text.key("finest", &branches.finest.to_string());
+    text.key("coarsest", &branches.coarsest.to_string());
+    text.key("shares", &quoted(branches.shares.name()));
+    text.key("frames", &quoted(branches.frames.name()));
+    text.key("torsion", &branches.torsion.to_string());
+    text.key("needles", &quoted(branches.needles.name()));
+    text.key("most_edges", &branches.most_edges.to_string());
+    text.key("line_alpha", &quoted(branches.line_alpha.name()));
+    text.key("line_normals", &quoted(branches.line_normals.name()));
+    text.key("removal", &quoted(branches.removal.name()));
 }
 
 fn write_golden(text: &mut Text, golden: &Golden) {
@@ -480,6 +502,25 @@ fn digest_cards(digester: &mut Digester, cards: &CardOptions) {
         .u32(cards.sprites)
         .u32(cards.sprite_texture)
         .u32(cards.scale as u32);
+}
+
+fn digest_branches(digester: &mut Digester, branches: &BranchChoice) {
+    let error = branches.error;
+    digester
+        .text("branches")
+        .u32(u32::from(error.is_some()))
+        .f32(error.unwrap_or(0.0))
+        .f32(branches.pixel_error)
+        .f32(branches.finest)
+        .f32(branches.coarsest)
+        .u32(branches.shares as u32)
+        .u32(branches.frames as u32)
+        .f32(branches.torsion)
+        .u32(branches.needles as u32)
+        .u32(branches.most_edges)
+        .u32(branches.line_alpha as u32)
+        .u32(branches.line_normals as u32)
+        .u32(branches.removal as u32);
 }
 
 fn digest_golden(digester: &mut Digester, golden: &Golden) {

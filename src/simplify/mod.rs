@@ -35,11 +35,12 @@ pub mod strokes;
 
 pub use branches::{
     Attachment, BranchAxis, BranchErrors, BranchLevel, BranchMesh, BranchOptions, BranchRelevance,
-    BranchSequence, BranchSkeleton, BranchVertex, Caps, EdgeTable, Edges, Frame, FrameMethod,
-    Internode, LEAST_EDGES, LevelBound, LevelNodes, LineAlpha, LineNormals, MOST_EDGES, Merge,
-    MergeTable, Needle, NeedleOptions, NeedleRadius, NeedleSequence, NeedleUnit, PolygonOptions,
-    PrimitiveCounts, Shares, SkeletalVector, TopologyOrder, WHOLE_MERGES, fractional_edges,
-    merge_deviation, moving_frames, permitted_error,
+    BranchRoutes, BranchSequence, BranchSkeleton, BranchVertex, Caps, EdgeTable, Edges, ErrorStep,
+    Frame, FrameMethod, Internode, LEAST_EDGES, LevelBound, LevelNodes, LineAlpha, LineNormals,
+    MOST_EDGES, Merge, MergeTable, Needle, NeedleOptions, NeedleRadius, NeedleSequence, NeedleUnit,
+    PolygonOptions, PrimitiveCounts, RouteChange, Shares, Side, SkeletalVector, TopologyOrder,
+    WHOLE_MERGES, fractional_edges, merge_deviation, moving_frames, permitted_error, radial, sides,
+    upright_frame,
 };
 pub use clusters::{Cluster, Clusters, Record, literal_visible};
 pub use leaves::{LEAF_COLLAPSE_VERSION, LeafCollapseOptions, LeafDistance, collapse_leaves};

@@ -102,7 +102,9 @@ impl<S> Stage<S> {
             height: side,
             samples: Samples::One,
         })?;
-        let mut environment = Environment::of_kind(&mut device, 1, kind)?;
+        // As the view below maps a metre to 0.7 of half the side.
+        let environment = Environment::of_kind(&mut device, 1, kind)?;
+        let mut environment = environment.seen_by(0.35 * side as f32);
         if kind.selects() {
             environment.occlude(&mut device, target)?;
         }
@@ -129,6 +131,8 @@ impl<S> Stage<S> {
     fn draw(&mut self) -> Picture {
         let mut steps = Vec::new();
         self.resident.draw(&mut steps);
+        let mut blended = Vec::new();
+        self.resident.draw_lines(&mut blended);
         let load = Load::Clear {
             color: Vec4::new(0.1, 0.1, 0.2, 1.0),
             depth: 1.0,
@@ -140,7 +144,7 @@ impl<S> Stage<S> {
             steps,
         };
         let residents = std::iter::once(&*self.resident);
-        let commands = frame_commands(&self.environment, pass, residents);
+        let commands = frame_commands(&self.environment, pass, blended, residents);
         self.device.queue().submit(&commands).expect("a sound pass");
         self.device.present(self.target).expect("the target exists")
     }

@@ -74,9 +74,9 @@ fn every_model_is_some_scenes() {
         .iter()
         .map(|name| {
             let scene = Scene::read(&goldens().scenes.join(format!("{name}.toml"))).unwrap();
-            // Flattened leaves are drawn as any others are.
+            // Flattened leaves are drawn as any others are, and so is what is left of none.
             let name = match scene.model.name {
-                ModelName::Flattened => ModelName::Full,
+                ModelName::Flattened | ModelName::Bare => ModelName::Full,
                 name => name,
             };
             Kind::named(name.name(), scene.model.mode.name()).unwrap()

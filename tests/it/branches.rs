@@ -14,7 +14,7 @@ use spinney::simplify::{
 use crate::support::properties;
 
 /// A trunk and up to five branches on it and on each other: bent, of uneven radii, some to a point.
-fn skeleton(draws: &mut Draws) -> Skeleton {
+pub(crate) fn skeleton(draws: &mut Draws) -> Skeleton {
     let mut all = Skeleton::default();
     for number in 0..=draws.below(6) {
         let bearer = (number > 0).then(|| {

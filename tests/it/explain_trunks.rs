@@ -45,9 +45,7 @@ fn check_changes(trunk: &Trunk, story: &TrunkStory) {
     let named = shown.map(number);
     let turned = [0, 1, 2].map(|turn| [0, 1, 2].map(|corner| named[(corner + turn) % 3]));
     assert!(turned.contains(&story.vertices), "{story:?}");
-    let count = trunk.triangle_count(TrunkLevel {
-        collapses: level.collapses,
-    });
+    let count = trunk.triangle_count(TrunkLevel::Collapses(level.collapses));
     assert_eq!(level.triangles, count, "of the level");
     match &story.made_by {
         None => assert_eq!(after(0), Some(shown), "as in the mesh"),

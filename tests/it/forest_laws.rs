@@ -94,7 +94,9 @@ pub(crate) struct Models {
 impl Models {
     /// A kind of foliage with a random one of trunks.
     fn of(kind: Kind, seed: u64) -> Self {
-        let trunks: Vec<TrunkKind> = TrunkKind::all().collect();
+        // Plants of these worlds have no skeletons.
+        let trunks = TrunkKind::all().filter(|kind| !kind.has_errors());
+        let trunks: Vec<TrunkKind> = trunks.collect();
         let trunk = trunks[index_usize((seed >> 8) % trunks.len() as u64)];
         Self { kind, trunk, seed }
     }
@@ -171,9 +173,7 @@ pub(crate) fn vector(world: &World, choices: [u64; TREES]) -> Vec<TreeState> {
         let collapses = Stream::new(choice, 12).draws().below(most + 1);
         TreeState {
             foliage: random_state(&world.crowns[tree.crown], choice),
-            trunk: TrunkLevel {
-                collapses: index_u32(index_usize(collapses)),
-            },
+            trunk: TrunkLevel::Collapses(index_u32(index_usize(collapses))),
         }
     };
     world.trees.iter().zip(choices).map(state).collect()

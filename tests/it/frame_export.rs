@@ -101,7 +101,7 @@ fn drawn(world: &World, state: &TreeState) -> Vec<[[u32; 3]; 3]> {
     }
     let trunk = world.trunks[0].as_ref().expect("it has a trunk");
     let (positions, order) = (&trunk.mesh().positions, trunk.collapses().order());
-    for (_, three) in trunk.collapses().triangles_after(state.trunk.collapses) {
+    for (_, three) in trunk.collapses().triangles_after(state.trunk.collapses()) {
         let three = three.map(|corner| positions[order[corner as usize] as usize]);
         all.push(canonical(three));
     }
@@ -137,7 +137,7 @@ fn floats(document: &Value, binary: &[u8], accessor: &Value) -> Vec<f32> {
 fn the_triangles_that_a_frame_draws_come_back() {
     let level = "mode = \"slots\"\nlevel = 0.6\ntrunk = \"lodstrips\"\ntrunk_level = 0.4";
     let (world, states, export) = exported(&scene(level), |_world| {});
-    assert!(states[0].trunk.collapses > 0, "{states:?}");
+    assert!(states[0].trunk.collapses() > 0, "{states:?}");
     let (document, _) = document(&export.glb);
     let names = document["nodes"].as_array().unwrap().iter();
     let names = names.map(|node| node["name"].as_str().expect("a name").to_owned());

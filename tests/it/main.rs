@@ -1,5 +1,6 @@
 //! Tests of the library through its public face.
 
+mod branch_models;
 mod branches;
 mod bus_bytes;
 mod bytes;

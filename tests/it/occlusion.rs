@@ -117,7 +117,7 @@ impl Grove {
             steps,
         };
         let residents = self.residents.iter().map(|resident| &**resident);
-        let commands = frame_commands(&self.environment, pass, residents);
+        let commands = frame_commands(&self.environment, pass, Vec::new(), residents);
         self.device.take_ledger();
         let submitted = self.device.queue().submit(&commands);
         submitted.expect("sound commands");

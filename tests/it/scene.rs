@@ -340,7 +340,7 @@ fn wrong_shapes_are_refused() {
         ),
         (
             ending("[model]\nname = [{ eye = [0, 1, 9], target = [0, 1, 0] }]"),
-            "7:8: `model.name`: found [{ eye = [0, 1, 9], target = [0, 1, 0] }], wanted \"lodf\", \"full\", \"vdf\", \"impostors\", \"billboard\", \"sprites\", \"crossed\", \"octahedral\" or \"flattened\"",
+            "7:8: `model.name`: found [{ eye = [0, 1, 9], target = [0, 1, 0] }], wanted \"lodf\", \"full\", \"vdf\", \"impostors\", \"billboard\", \"sprites\", \"crossed\", \"octahedral\", \"flattened\" or \"bare\"",
         ),
         (
             with("camera = 3").replace("[camera]", "[light]"),

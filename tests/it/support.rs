@@ -234,7 +234,7 @@ pub(crate) fn random_trunk(seed: u64) -> Arc<Trunk> {
     Arc::new(Trunk::of(&Arc::new(plant), Some(0)).expect("it has a trunk"))
 }
 
-fn random_mesh(seed: u64) -> Mesh {
+pub(crate) fn random_mesh(seed: u64) -> Mesh {
     let mut draws = Stream::new(seed, 4).draws();
     let mut mesh = Mesh {
         positions: Vec::new(),
@@ -329,7 +329,9 @@ pub(crate) fn trunk_stage(
 
 /// A picture of a trunk at a level as a plain list of its triangles.
 pub(crate) fn trunk_picture(trunk: &Trunk, level: TrunkLevel, side: u32) -> Image {
-    let mesh = trunk.collapses().mesh_after(trunk.mesh(), level.collapses);
+    let mesh = trunk
+        .collapses()
+        .mesh_after(trunk.mesh(), level.collapses());
     let plant = Plant::new("list", None, Some(mesh), Foliage::default()).expect("sound parts");
     let list = Arc::new(Trunk::of(&Arc::new(plant), None).expect("it has a trunk"));
     let mut stage = trunk_stage(TrunkKind::FULL, OPTIONS, &list, TrunkLevel::FINEST, side);

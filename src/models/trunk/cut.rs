@@ -20,10 +20,10 @@ use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
 use super::strips::{NO_TRIANGLE, StripPlan};
 use super::surface::trunk_buffer;
 use super::writes::Write;
-use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkMode, TrunkName};
+use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    RESTART, Step, Usage,
+    RESTART, Residency, Step, Usage,
 };
 use crate::math::index_u32;
 use crate::models::Change;
@@ -213,9 +213,9 @@ impl TrunkPlan for CutPlan {
         let records = IndirectRecord::STRIDE * cut.drawn.len() as u64;
         content
             + drawn.sum::<u64>()
-            + match model.mode {
-                TrunkMode::Host => content + records,
-                TrunkMode::Device => 0,
+            + match model.mode.residency() {
+                Residency::Host => content + records,
+                Residency::Device => 0,
             }
     }
 }
@@ -269,7 +269,7 @@ fn cut_strip(
     places: &mut Vec<u32>,
 ) {
     let shows = |&place: &usize| {
-        triangles[place] != NO_TRIANGLE && collapses.shows(triangles[place], level.collapses)
+        triangles[place] != NO_TRIANGLE && collapses.shows(triangles[place], level.collapses())
     };
     // Where the present strip begins, and the last place that is in it.
     let mut present: Option<(usize, usize)> = None;
@@ -312,7 +312,7 @@ mod tests {
         let plan = CutPlan::of(&trunk);
         let mut shorter = 0;
         for collapses in 0..=trunk.collapses().collapse_count() {
-            let level = TrunkLevel { collapses };
+            let level = TrunkLevel::Collapses(collapses);
             let content = plan.strips.at(trunk.collapses(), level);
             for block in &plan.blocks {
                 let places = plan.places(trunk.collapses(), block, &content, level);

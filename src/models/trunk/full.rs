@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::surface::{Surface, trunk_buffer, upload_vertices, vertex_bytes};
 use super::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkMode, TrunkModel, TrunkName};
-use crate::gpu::{BufferDescriptor, BufferId, Corners, Device, Draw, GpuError, Queue, Step, Usage};
+use crate::gpu::{
+    BufferDescriptor, BufferId, Corners, Device, Draw, GpuError, Queue, Residency, Step, Usage,
+};
 use crate::math::index_u32;
 use crate::models::{Change, Environment, Resident, Shared, Storage};
 use crate::plant::Mesh;
@@ -55,27 +57,27 @@ impl TrunkModel for Full {
         Ok(Box::new(FullShared {
             vertices,
             indices,
-            surface: Surface::upload(device, environment, mesh)?,
+            surface: Surface::of(device, environment, &mesh.material)?,
             corner_count: index_u32(mesh.indices.len()),
         }))
     }
 
     fn host_bytes(&self) -> Vec<u8> {
-        match self.mode {
-            TrunkMode::Host => {
+        match self.mode.residency() {
+            Residency::Host => {
                 let mesh = self.trunk.mesh();
                 [mesh_vertices(mesh), mesh_indices(mesh)].concat()
             }
-            TrunkMode::Device => Vec::new(),
+            Residency::Device => Vec::new(),
         }
     }
 
     fn storage(&self) -> Storage {
         let mesh = self.trunk.mesh();
         let bytes = 32 * mesh.positions.len() as u64 + 4 * mesh.indices.len() as u64;
-        let (host_bytes, shared_bytes) = match self.mode {
-            TrunkMode::Host => (bytes, 0),
-            TrunkMode::Device => (0, bytes),
+        let (host_bytes, shared_bytes) = match self.mode.residency() {
+            Residency::Host => (bytes, 0),
+            Residency::Device => (0, bytes),
         };
         Storage {
             host_bytes,

@@ -6,8 +6,8 @@
 //!  (mesh, collapses)                                                                    └─ draw ─▶ steps
 //! ```
 //!
-//! The same traits as for foliage, with a [`TrunkLevel`] for a state. Every name has two modes: on the
-//! device, or in host memory, from where every draw pulls indices and vertices of 32 bytes.
+//! The same traits as for foliage, with a [`TrunkLevel`] for a state. Every name but the last has two
+//! modes: on the device, or in host memory, from where every draw pulls indices and vertices of 32 bytes.
 //!
 //! | name | on the device | what one change sends |
 //! |---|---|---|
@@ -15,6 +15,7 @@
 //! | lodstrips | vertices once, strips of fixed length | 4 B a place that differs |
 //! | lodstrips-cut | vertices once, blocks of short strips | of each changed block the places from the first to the last that differ, and their number (4 B) |
 //! | mom | vertices once, a list of triangles | 12 B a slot that differs, and their number (4 B) |
+//! | branches | a level, some levels, or 52 B a node and tables: three modes of its own | a level, nothing, or 4 B |
 //!
 //! # One level
 //!
@@ -27,7 +28,7 @@
 //! changes are variable, not where in the trunk. A form of our own would be compared with nothing, so
 //! there is none: in variable tests both rivals' trunks change as a whole.
 //!
-//! **Invariant.** At equal levels all kinds but full show the same triangles of the same vertices, the
+//! **Invariant.** At equal levels all kinds of meshes but full show the same triangles of the same vertices, the
 //! lowest corner first: their pictures are equal bit for bit. The full one keeps the mesh's own order
 //! of vertices, which decides ties of depth and the last bits of what is interpolated.
 
@@ -48,11 +49,13 @@ mod writes;
 use std::sync::Arc;
 
 pub use level::TrunkLevel;
-pub(super) use program::MeshProgram;
+pub(super) use program::{MeshProgram, SURFACE_SLOT};
 pub use shape::{Trunk, TrunkSimplifier};
+pub(super) use surface::Surface;
 
-use super::{Environment, Gather, ModelOptions, Shared, Storage};
-use crate::gpu::{Device, GpuError};
+use super::{Environment, Gather, ModelOptions, Shared, Storage, branches};
+use crate::gpu::{Device, GpuError, Residency};
+use crate::math::{index_u32, index_usize};
 use crate::scene::{TrunkMode, TrunkName};
 
 /// First part of the key of everything that shows a trunk.
@@ -103,7 +106,10 @@ impl TrunkKind {
 
     /// Every kind.
     pub fn all() -> impl Iterator<Item = Self> {
-        let modes = |&name| TrunkMode::ALL.iter().map(move |&mode| Self { name, mode });
+        let modes = |&name: &TrunkName| {
+            let modes = name.modes().iter();
+            modes.map(move |&mode| Self { name, mode })
+        };
         TrunkName::ALL.iter().flat_map(modes)
     }
 
@@ -134,22 +140,49 @@ impl TrunkKind {
     pub fn model(self, trunk: &Arc<Trunk>, options: ModelOptions) -> Box<dyn TrunkModel> {
         let (trunk, mode) = (Arc::clone(trunk), self.mode);
         // Writing to host memory moves nothing that could be gathered.
-        let gather = match mode {
-            TrunkMode::Host => Gather::Single,
-            TrunkMode::Device => options.gather,
+        let gather = match mode.residency() {
+            Residency::Host => Gather::Single,
+            Residency::Device => options.gather,
         };
         match self.name {
             TrunkName::Full => Box::new(full::Full::new(trunk, mode)),
             TrunkName::LodStrips => Box::new(strips::LodStrips::new(trunk, mode, gather)),
             TrunkName::LodStripsCut => Box::new(cut::Cut::new(trunk, mode, gather)),
             TrunkName::Mom => Box::new(mom::Mom::new(trunk, mode, gather)),
+            TrunkName::Branches if trunk.plant().skeleton().is_none() => {
+                Box::new(full::Full::new(trunk, TrunkMode::Device))
+            }
+            TrunkName::Branches => branches::model(trunk, mode),
         }
     }
 
-    /// The triangles that it draws at a level.
+    /// Whether what it shows are branches with an error, and not a mesh with so many collapses.
+    #[must_use]
+    pub fn has_errors(self) -> bool {
+        self.name == TrunkName::Branches
+    }
+
+    /// The level at `done` of `all` even parts of the way from full detail to the least: of a mesh's collapses,
+    /// or from the finest error to the coarsest, by one factor a part.
+    #[must_use]
+    pub fn level(self, trunk: &Trunk, done: u32, all: u32) -> TrunkLevel {
+        if self.has_errors() {
+            let [finest, coarsest] = trunk.branch_choice().steps();
+            TrunkLevel::Error(finest.towards(coarsest, done, all))
+        } else if self.has_levels() {
+            trunk.level(done, all)
+        } else {
+            TrunkLevel::FINEST
+        }
+    }
+
+    /// The triangles that it draws at a level; of branches those of all modes that can show it.
     #[must_use]
     pub fn triangle_count(self, trunk: &Trunk, level: TrunkLevel) -> u32 {
-        if self.has_levels() {
+        if self.has_errors() && trunk.plant().skeleton().is_some() {
+            let counts = trunk.branch_counts(level.step());
+            index_u32(index_usize(2 * counts.quads + counts.triangles))
+        } else if self.has_levels() && !self.has_errors() {
             trunk.triangle_count(level)
         } else {
             trunk.mesh().triangle_count()

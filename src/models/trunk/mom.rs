@@ -13,10 +13,10 @@
 use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
 use super::surface::trunk_buffer;
 use super::writes::Write;
-use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkMode, TrunkName};
+use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkName};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Corners, Device, DrawIndirect, GpuError, IndirectRecord,
-    Step, Usage,
+    Residency, Step, Usage,
 };
 use crate::math::index_u32;
 use crate::models::Change;
@@ -148,7 +148,7 @@ impl TrunkPlan for MomPlan {
             [a, b, c, record.birth, record.death]
         });
         let mut words: Vec<u32> = records.collect();
-        if model.mode == TrunkMode::Device {
+        if model.mode.residency() == Residency::Device {
             words.extend(plan.slots.iter().flatten().chain(&plan.starts));
         }
         words.into_iter().flat_map(u32::to_le_bytes).collect()
@@ -160,9 +160,9 @@ impl TrunkPlan for MomPlan {
         let triangles = u64::from(plan.counts[0]);
         PlanSizes {
             host: 20 * plan.records.len() as u64
-                + match model.mode {
-                    TrunkMode::Host => 0,
-                    TrunkMode::Device => slots,
+                + match model.mode.residency() {
+                    Residency::Host => 0,
+                    Residency::Device => slots,
                 },
             instance: 12 * triangles + IndirectRecord::STRIDE,
             kept: 4 + 4 * triangles,
@@ -176,12 +176,12 @@ impl TrunkPlan for MomPlan {
         number: u32,
     ) -> Result<Drawn<MomTriangles>, GpuError> {
         let plan = &model.plan;
-        let content = match model.mode {
-            TrunkMode::Host => plan.scan(level).0,
-            TrunkMode::Device => plan.slots_at(level),
+        let content = match model.mode.residency() {
+            Residency::Host => plan.scan(level).0,
+            Residency::Device => plan.slots_at(level),
         };
         let arguments = IndirectRecord {
-            corner_count: 3 * plan.counts[level.collapses as usize],
+            corner_count: 3 * plan.counts[level.collapses() as usize],
             instances: 1,
             first_corner: 0,
             instance: number,
@@ -235,14 +235,14 @@ impl TrunkPlan for MomPlan {
             bytes,
             cause: CAUSES[0],
         };
-        match model.mode {
-            TrunkMode::Host => {
+        match model.mode.residency() {
+            Residency::Host => {
                 let (content, read) = plan.scan(to);
                 change.host_records = read + content.len() as u64;
                 writes.push(write(0, plan.bytes_of(&content)));
                 held.content = content;
             }
-            TrunkMode::Device => {
+            Residency::Device => {
                 let (slots, read) = plan.move_slots(&mut held.content, from, to);
                 change.host_records = read + slots.len() as u64;
                 let content = &held.content;
@@ -250,7 +250,7 @@ impl TrunkPlan for MomPlan {
                 writes.extend(slots.into_iter().map(|slot| write(slot, bytes(slot))));
             }
         }
-        let [before, after] = [from, to].map(|level| plan.counts[level.collapses as usize]);
+        let [before, after] = [from, to].map(|level| plan.counts[level.collapses() as usize]);
         if before != after {
             writes.push(Write {
                 buffer: held.arguments,
@@ -264,9 +264,9 @@ impl TrunkPlan for MomPlan {
 
     fn instance_host_bytes(model: &Planned<Self>, held: &MomTriangles) -> u64 {
         4 * held.content.len() as u64
-            + match model.mode {
-                TrunkMode::Host => 12 * u64::from(model.plan.counts[0]) + IndirectRecord::STRIDE,
-                TrunkMode::Device => 0,
+            + match model.mode.residency() {
+                Residency::Host => 12 * u64::from(model.plan.counts[0]) + IndirectRecord::STRIDE,
+                Residency::Device => 0,
             }
     }
 }
@@ -280,7 +280,7 @@ impl MomPlan {
     /// The record in every slot, dead ones too.
     fn slots_at(&self, level: TrunkLevel) -> Vec<u32> {
         let mut content: Vec<u32> = (0..self.counts[0]).collect();
-        for collapse in 0..level.collapses {
+        for collapse in 0..level.collapses() {
             for &[slot, _, after] in self.slots_of(collapse) {
                 content[slot as usize] = after;
             }
@@ -292,9 +292,9 @@ impl MomPlan {
     fn scan(&self, level: TrunkLevel) -> (Vec<u32>, u64) {
         let born = self
             .records
-            .partition_point(|record| record.birth <= level.collapses);
+            .partition_point(|record| record.birth <= level.collapses());
         let there = (0..).zip(&self.records[..born]);
-        let there = there.filter(|(_, record)| level.collapses < record.death);
+        let there = there.filter(|(_, record)| level.collapses() < record.death);
         (
             there.map(|(number, _): (u32, _)| number).collect(),
             born as u64,
@@ -316,12 +316,12 @@ impl MomPlan {
             let held = std::mem::replace(&mut content[slot as usize], record);
             before.push((slot, held));
         };
-        for collapse in from.collapses..to.collapses {
+        for collapse in from.collapses()..to.collapses() {
             for &[slot, _, after] in self.slots_of(collapse) {
                 put(slot, after);
             }
         }
-        for collapse in (to.collapses..from.collapses).rev() {
+        for collapse in (to.collapses()..from.collapses()).rev() {
             for &[slot, held, _] in self.slots_of(collapse).iter().rev() {
                 put(slot, held);
             }
@@ -356,7 +356,7 @@ mod tests {
         for level in 0..=collapses.collapse_count() {
             let mut wanted: Vec<_> = collapses.triangles_after(level).map(|(_, t)| t).collect();
             wanted.sort_unstable();
-            let at = TrunkLevel { collapses: level };
+            let at = TrunkLevel::Collapses(level);
             assert_eq!(sorted(&plan.scan(at).0), wanted, "level {level}");
             let count = plan.counts[level as usize] as usize;
             assert_eq!(sorted(&plan.slots_at(at)[..count]), wanted, "level {level}");

@@ -161,8 +161,8 @@ impl<P: TrunkPlan> Resident<TrunkLevel> for PlannedResident<P> {
         send_writes(queue, self.model.gather, &writes)?;
         let [from, to] = levels;
         Ok(Change {
-            collapses: to.collapses.saturating_sub(from.collapses),
-            splits: from.collapses.saturating_sub(to.collapses),
+            collapses: to.collapses().saturating_sub(from.collapses()),
+            splits: from.collapses().saturating_sub(to.collapses()),
             ..change
         })
     }

@@ -12,7 +12,7 @@ use crate::models::shadow::Lighting;
 const VERTEX_BYTES: u32 = 32;
 
 /// The slot of colour (3 × `f32`) and alpha cutoff (`f32`).
-pub(super) const SURFACE_SLOT: u32 = 2;
+pub(in crate::models) const SURFACE_SLOT: u32 = 2;
 
 /// The program that draws meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

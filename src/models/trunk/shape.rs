@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock};
 use crate::math::{index_u32, index_usize};
 use crate::models::TrunkLevel;
 use crate::plant::{Mesh, Plant};
+use crate::scene::{BranchChoice, BranchRemoval};
 use crate::simplify::{
+    BranchErrors, BranchLevel, BranchRelevance, BranchSequence, ErrorStep, PrimitiveCounts,
     SimplifiedMesh, Strips, VertexCollapseOptions, VertexCollapses, lowest_first, simplify_mesh,
 };
 
@@ -25,6 +27,8 @@ pub struct Trunk {
     simplified: OnceLock<SimplifiedMesh>,
     /// The triangles at each level.
     counts: OnceLock<Vec<u32>>,
+    branch_choice: BranchChoice,
+    branches: OnceLock<BranchSequence>,
 }
 
 impl Trunk {
@@ -41,6 +45,8 @@ impl Trunk {
             simplifier: None,
             simplified: OnceLock::new(),
             counts: OnceLock::new(),
+            branch_choice: BranchChoice::USUAL,
+            branches: OnceLock::new(),
         })
     }
 
@@ -51,6 +57,75 @@ impl Trunk {
             simplifier: Some(simplifier),
             ..self
         }
+    }
+
+    /// The same, with branches as a scene wants them.
+    #[must_use]
+    pub fn branched(self, choice: BranchChoice) -> Self {
+        Self {
+            branch_choice: choice,
+            branches: OnceLock::new(),
+            ..self
+        }
+    }
+
+    /// Whose it is.
+    #[must_use]
+    pub fn plant(&self) -> &Arc<Plant> {
+        &self.plant
+    }
+
+    /// How branches are wanted.
+    #[must_use]
+    pub fn branch_choice(&self) -> &BranchChoice {
+        &self.branch_choice
+    }
+
+    /// Its branches and the plant's needles; the first call looks for all that merges.
+    #[must_use]
+    pub fn branches(&self) -> &BranchSequence {
+        let options = self.branch_choice.sequence_options();
+        self.branches
+            .get_or_init(|| BranchSequence::of(&self.plant, &options))
+    }
+
+    /// The level of branches at an error.
+    #[must_use]
+    pub fn branch_level(&self, step: ErrorStep) -> BranchLevel {
+        let sequence = self.branches();
+        let shares = self.branch_choice.error_shares();
+        let level = sequence.at(step.error(), shares);
+        match self.branch_choice.removal {
+            BranchRemoval::Distance => level,
+            BranchRemoval::Volume => {
+                let [finest, _] = self.branch_choice.steps();
+                // Needles are no branches: they merge as they would.
+                let errors = BranchErrors {
+                    needle: level.errors.needle,
+                    ..sequence.errors(finest.error(), shares)
+                };
+                let relevance = BranchRelevance::of(sequence.skeleton());
+                let most = level.counts().total();
+                // As many branches as have no more primitives.
+                let (mut low, mut high) = (0, relevance.order().len());
+                while low < high {
+                    let middle = (low + high).div_ceil(2);
+                    let pruned = sequence.pruned(&relevance, middle, &errors);
+                    if pruned.counts().total() <= most {
+                        low = middle;
+                    } else {
+                        high = middle - 1;
+                    }
+                }
+                sequence.pruned(&relevance, low, &errors)
+            }
+        }
+    }
+
+    /// What that level is made of.
+    #[must_use]
+    pub fn branch_counts(&self, step: ErrorStep) -> PrimitiveCounts {
+        self.branch_level(step).counts()
     }
 
     /// Its full detail.
@@ -86,7 +161,7 @@ impl Trunk {
     #[must_use]
     pub fn triangle_count(&self, level: TrunkLevel) -> u32 {
         let counts = || self.collapses().triangle_counts();
-        self.counts.get_or_init(counts)[level.collapses as usize]
+        self.counts.get_or_init(counts)[level.collapses() as usize]
     }
 
     /// A triangle with these corners at a level, as the triangle of the mesh that has become it and the
@@ -98,7 +173,7 @@ impl Trunk {
     #[must_use]
     pub fn in_mesh(&self, level: TrunkLevel, corners: [u32; 3]) -> Option<(u32, [u32; 3])> {
         let collapses = self.collapses();
-        let mut triangles = collapses.triangles_after(level.collapses);
+        let mut triangles = collapses.triangles_after(level.collapses());
         let (triangle, _) = triangles.find(|(_, found)| *found == lowest_first(corners))?;
         let number = |vertex: u32| collapses.order()[vertex as usize];
         Some((triangle, corners.map(number)))
@@ -111,8 +186,6 @@ impl Trunk {
     pub fn level(&self, done: u32, all: u32) -> TrunkLevel {
         let ours = u64::from(self.collapses().collapse_count());
         let collapses = ours * u64::from(done.min(all)) / u64::from(all.max(1));
-        TrunkLevel {
-            collapses: index_u32(index_usize(collapses)),
-        }
+        TrunkLevel::Collapses(index_u32(index_usize(collapses)))
     }
 }

@@ -12,9 +12,10 @@
 use super::planned::{Drawn, PlanSizes, Planned, TrunkPlan};
 use super::surface::trunk_buffer;
 use super::writes::Write;
-use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkMode, TrunkName};
+use super::{TRUNK_GROUP, Trunk, TrunkLevel, TrunkName};
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, RESTART, Step, Usage,
+    BufferDescriptor, BufferId, Cause, Corners, Device, Draw, GpuError, RESTART, Residency, Step,
+    Usage,
 };
 use crate::math::index_u32;
 use crate::models::Change;
@@ -136,9 +137,9 @@ impl TrunkPlan for StripPlan {
 
     fn instance_host_bytes(model: &Planned<Self>, strips: &Strips) -> u64 {
         let content = 4 * strips.content.len() as u64;
-        match model.mode {
-            TrunkMode::Host => 2 * content,
-            TrunkMode::Device => content,
+        match model.mode.residency() {
+            Residency::Host => 2 * content,
+            Residency::Device => content,
         }
     }
 }
@@ -182,7 +183,7 @@ impl StripPlan {
 
     /// All places at a level.
     pub(super) fn at(&self, collapses: &VertexCollapses, level: TrunkLevel) -> Vec<u32> {
-        let first = collapses.first_vertex(level.collapses);
+        let first = collapses.first_vertex(level.collapses());
         let mut moved: Vec<u32> = (0..collapses.vertex_count()).collect();
         for vertex in (0..first).rev() {
             if let Some(target) = collapses.target(vertex) {
@@ -206,7 +207,7 @@ impl StripPlan {
         from: TrunkLevel,
         to: TrunkLevel,
     ) -> (Vec<u32>, u64) {
-        let [first, end] = [from, to].map(|level| collapses.first_vertex(level.collapses));
+        let [first, end] = [from, to].map(|level| collapses.first_vertex(level.collapses()));
         let mut before: Vec<(u32, u32)> = Vec::new();
         let mut put = |vertex: u32, value: u32| {
             let ends = &self.place_starts[vertex as usize..vertex as usize + 2];
@@ -294,7 +295,7 @@ mod tests {
         let collapses = trunk.collapses();
         let plan = StripPlan::of(&trunk);
         let count = collapses.collapse_count();
-        let level = |collapses| TrunkLevel { collapses };
+        let level = |collapses| TrunkLevel::Collapses(collapses);
         let mut content = plan.finest.clone();
         let mut at = level(0);
         for next in (0..=count)

@@ -3,11 +3,12 @@
 use super::Trunk;
 use super::program::SURFACE_SLOT;
 use crate::gpu::{
-    BufferDescriptor, BufferId, Cause, Device, GpuError, Residency, Step, TextureId, Usage,
+    BufferDescriptor, BufferId, Cause, Device, GpuError, ProgramId, Residency, Step, TextureId,
+    Usage,
 };
 use crate::models::Environment;
 use crate::models::surface::{filled, upload_texture};
-use crate::plant::Mesh;
+use crate::plant::{Material, Mesh};
 use crate::scene::TrunkMode;
 
 /// Why what a trunk begins with is sent.
@@ -77,25 +78,24 @@ pub(super) fn upload_trunk<M>(
     Ok(TrunkShared {
         model,
         vertices: upload_vertices(device, &bytes, mode.residency())?,
-        surface: Surface::upload(device, environment, trunk.mesh())?,
+        surface: Surface::of(device, environment, &trunk.mesh().material)?,
     })
 }
 
 /// What a trunk looks like, on the device.
 #[derive(Debug, Clone)]
-pub(super) struct Surface {
+pub(in crate::models) struct Surface {
     environment: Environment,
     constants: BufferId,
     texture: Option<TextureId>,
 }
 
 impl Surface {
-    pub(super) fn upload(
+    pub(in crate::models) fn of(
         device: &mut Device,
         environment: &Environment,
-        mesh: &Mesh,
+        material: &Material,
     ) -> Result<Self, GpuError> {
-        let material = &mesh.material;
         let [red, green, blue, _] = material.base_color;
         let words = [red, green, blue, material.alpha_cutoff];
         let bytes: Vec<u8> = words.into_iter().flat_map(f32::to_le_bytes).collect();
@@ -114,9 +114,15 @@ impl Surface {
 
     /// Binds what a trunk is drawn with.
     pub(super) fn bind(&self, vertices: BufferId, indices: BufferId) -> Vec<Step> {
-        let mut steps: Vec<Step> = self.environment.bind(self.environment.mesh).collect();
+        let mut steps = self.bind_program(self.environment.mesh);
         steps.push(Step::Vertices(vertices));
         steps.push(Step::Indices(indices));
+        steps
+    }
+
+    /// Binds a program with what a trunk looks like.
+    pub(in crate::models) fn bind_program(&self, program: ProgramId) -> Vec<Step> {
+        let mut steps: Vec<Step> = self.environment.bind(program).collect();
         steps.push(Step::Storage {
             slot: SURFACE_SLOT,
             buffer: self.constants,

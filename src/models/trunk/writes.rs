@@ -1,6 +1,6 @@
 //! What a change of a trunk's level writes.
 
-use crate::gpu::{BufferId, Cause, GpuError, Queue, Region};
+use crate::gpu::{BufferId, Cause, GpuError, Queue, Region, Residency};
 use crate::models::Gather;
 use crate::models::lodf::send;
 use crate::scene::TrunkMode;
@@ -36,9 +36,9 @@ pub(super) fn send_writes(
 impl TrunkMode {
     /// The payload that writes upload: nothing where the buffers lie on the host.
     pub(super) fn price(self, writes: &[Write]) -> u64 {
-        match self {
-            Self::Host => 0,
-            Self::Device => writes.iter().map(|write| write.bytes.len() as u64).sum(),
+        match self.residency() {
+            Residency::Host => 0,
+            Residency::Device => writes.iter().map(|write| write.bytes.len() as u64).sum(),
         }
     }
 }

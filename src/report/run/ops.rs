@@ -11,14 +11,15 @@
 //! of a cluster and the number of collapses done in it, for the clusters that changed; where the tree
 //! was not variable on the line before, for those with any. After `cards` stands where a model of cards
 //! stands between its levels, in 1/256. After `trunk` stands the number of
-//! collapses done of the trunk's sequence; without it, of a tree that is named, none is done.
+//! collapses done of the trunk's sequence, after `branches` the step of its branches' error; without
+//! either, of a tree that is named, none is done.
 
 use serde::{Deserialize, Serialize};
 
 use super::ledger::json;
 use crate::limits;
 use crate::math::index_u32;
-use crate::models::{CardLevel, State, TreeState, TrunkLevel};
+use crate::models::{CardLevel, ErrorStep, State, TreeState, TrunkLevel};
 use crate::report::ReportError;
 use crate::run::World;
 
@@ -41,6 +42,8 @@ struct TreeLine {
     cards: Option<CardLevel>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     trunk: Option<u32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    branches: Option<ErrorStep>,
 }
 
 /// Turns states into lines.
@@ -65,7 +68,11 @@ impl OpsWriter {
 
 fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLine {
     let TreeState { foliage, trunk } = state;
-    let trunk = Some(trunk.collapses).filter(|&collapses| collapses > 0);
+    let (trunk, branches) = match *trunk {
+        TrunkLevel::Collapses(0) => (None, None),
+        TrunkLevel::Collapses(collapses) => (Some(collapses), None),
+        TrunkLevel::Error(step) => (None, Some(step)),
+    };
     match foliage {
         State::Uniform { collapses } => TreeLine {
             tree,
@@ -73,6 +80,7 @@ fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLi
             variable: None,
             cards: None,
             trunk,
+            branches,
         },
         State::Cards(level) => TreeLine {
             tree,
@@ -80,6 +88,7 @@ fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLi
             variable: None,
             cards: Some(*level),
             trunk,
+            branches,
         },
         State::Variable { counts } => {
             let known = |cluster: usize| match before.map(|before| &before.foliage) {
@@ -94,6 +103,7 @@ fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLi
                 variable: Some(changed.map(|(c, count)| (index_u32(c), *count)).collect()),
                 cards: None,
                 trunk,
+                branches,
             }
         }
     }
@@ -172,7 +182,16 @@ impl<'w> OpsReader<'w> {
             let most = trunk.map_or(0, |trunk| trunk.collapses().collapse_count());
             check(", trunk", collapses, most)?;
         }
-        let trunk = TrunkLevel { collapses };
+        let trunk = match change.branches {
+            None => TrunkLevel::Collapses(collapses),
+            Some(step) if collapses == 0 && step <= ErrorStep::COARSEST => TrunkLevel::Error(step),
+            Some(step) => {
+                let (found, most) = (step.number(), ErrorStep::COARSEST.number());
+                return Err(format!(
+                    "tree {number}: step {found} of branches, at most {most}, and no collapses"
+                ));
+            }
+        };
         let foliage = match (change.uniform, &change.variable, change.cards) {
             (None, None, Some(level)) => {
                 let levels = limits::CARD_LEVELS as u64;

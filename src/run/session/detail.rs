@@ -2,7 +2,9 @@
 
 use super::Session;
 use crate::math::whole_u32;
-use crate::models::{Camera, Criterion, Extent, State, TreeChange, TreeState, TrunkLevel};
+use crate::models::{
+    Camera, Criterion, Extent, Sight, State, TreeChange, TreeState, Trunk, TrunkLevel,
+};
 use crate::run::RunError;
 use crate::run::selector::Selector;
 use crate::run::world::StandingTree;
@@ -25,9 +27,17 @@ impl Session<'_> {
             let trunk = trunk.filter(|_| self.trunk.has_levels());
             TreeState {
                 trunk: trunk.map_or(TrunkLevel::FINEST, |trunk| match model.trunk_level {
-                    Some(level) => TrunkLevel {
-                        collapses: share_of(level, trunk.collapses().collapse_count()),
-                    },
+                    Some(level) if self.trunk.has_errors() => {
+                        const PARTS: u32 = 1 << 16;
+                        self.trunk.level(trunk, share_of(level, PARTS), PARTS)
+                    }
+                    Some(level) => {
+                        let all = trunk.collapses().collapse_count();
+                        TrunkLevel::Collapses(share_of(level, all))
+                    }
+                    None if self.trunk.has_errors() => {
+                        branch_level(&self.scene.branches, trunk, tree, &view)
+                    }
                     None => trunk.level(axis.collapse_count(), all),
                 }),
                 foliage: match (self.kind.shows_leaves(), self.kind.has_levels()) {
@@ -148,6 +158,31 @@ impl Session<'_> {
             change.foliage.add(&of_foliage);
         }
         Ok(change)
+    }
+}
+
+/// The level whose error a scene fixes, or that looks so large at the nearest point of a tree.
+fn branch_level(
+    choice: &scene::BranchChoice,
+    trunk: &Trunk,
+    tree: &StandingTree,
+    view: &scene::View,
+) -> TrunkLevel {
+    let error = choice.error.unwrap_or_else(|| {
+        let sight = Sight::of(view, &tree.placement);
+        let pixels = sight.pixels_per_metre_at(&trunk.branches().bounds());
+        error_of(f64::from(choice.pixel_error) / pixels)
+    });
+    TrunkLevel::Error(trunk.branch_choice().step(error))
+}
+
+/// Rounded once; whatever is no error is none.
+#[expect(clippy::cast_possible_truncation, reason = "an error, rounded once")]
+fn error_of(metres: f64) -> f32 {
+    if metres.is_finite() {
+        metres as f32
+    } else {
+        0.0
     }
 }
 

@@ -22,10 +22,10 @@ use super::shadow::Shadows;
 use super::views::Shot;
 use super::world::World;
 use crate::gpu::{
-    Command, Device, DeviceDescriptor, Ledger, Load, ProbedFragment, RenderPass, ResourceId,
+    Command, Device, DeviceDescriptor, Ledger, Load, ProbedFragment, RenderPass, ResourceId, Step,
     TargetDescriptor, TargetId,
 };
-use crate::math::{Vec4, index_u32};
+use crate::math::{Vec3, Vec4, index_u32};
 use crate::models::{
     CARD_GROUP, Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Placement, Resident,
     Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
@@ -53,6 +53,8 @@ pub struct Session<'w> {
     residents: Vec<Box<dyn Resident>>,
     initial: Ledger,
     view: Option<View>,
+    /// Where the viewer of the last view stands.
+    eye: Vec3,
     deferred: Option<u64>,
     camera: Option<Camera>,
     owners: Owners,
@@ -142,7 +144,9 @@ impl<'w> Session<'w> {
         let trees = index_u32(world.trees.len());
         // The ground is placed after all trees.
         let placed = trees + u32::from(world.ground.is_some());
-        let mut environment = Environment::of_kind(&mut device, placed, options.kind)?;
+        let environment = Environment::of_kind(&mut device, placed, options.kind)?;
+        let view = scene.camera.at(0, options.size);
+        let mut environment = environment.seen_by(view.pixels_per_metre_at_1m);
         if options.kind.selects() && options.model.occlusion == Occlusion::TwoPhase {
             environment.occlude(&mut device, target)?;
         }
@@ -186,6 +190,7 @@ impl<'w> Session<'w> {
             residents: Vec::new(),
             initial: Ledger::default(),
             view: None,
+            eye: Vec3::ZERO,
             deferred: None,
             camera: None,
             owners,
@@ -270,10 +275,14 @@ impl<'w> Session<'w> {
         let leaves = self.leaf_count();
         let cards: u64 = self.residents.iter().map(|one| one.card_triangles()).sum();
         let (mut leaf_triangles, mut trunk_triangles) = (0, 0);
-        for (tree, state) in self.world.trees.iter().zip(&states) {
+        let trees = self.world.trees.iter().zip(&self.trunks);
+        for ((tree, shown), state) in trees.zip(&states) {
             leaf_triangles += self.world.crowns[tree.crown].shown_triangles(&state.foliage);
             if let Some(trunk) = &self.world.trunks[tree.crown] {
-                trunk_triangles += u64::from(self.trunk.triangle_count(trunk, state.trunk));
+                trunk_triangles += match shown.as_ref().and_then(|shown| shown.primitives()) {
+                    Some(counts) => 2 * counts.quads + counts.triangles,
+                    None => u64::from(self.trunk.triangle_count(trunk, state.trunk)),
+                };
             }
         }
         let commands = self.commands();
@@ -329,7 +338,7 @@ impl<'w> Session<'w> {
     /// The commands that draw all trees as they are committed.
     pub(in crate::run) fn commands(&self) -> Vec<Command> {
         let residents = self.residents.iter().map(|resident| &**resident);
-        frame_commands(&self.environment, self.pass(), residents)
+        frame_commands(&self.environment, self.pass(), self.blended(), residents)
     }
 
     /// The pass that draws all trees as they are committed, or as many as are drawn first.
@@ -355,6 +364,30 @@ impl<'w> Session<'w> {
         }
     }
 
+    /// What is blended, trees far from the viewer first; of equally far ones the later.
+    fn blended(&self) -> Vec<Step> {
+        let mut steps = Vec::new();
+        if !self.trunk.has_errors() {
+            return steps;
+        }
+        let trees = self.trunks.iter().zip(&self.world.trees).zip(0_usize..);
+        let mut order: Vec<(f32, usize, &dyn Resident<TrunkLevel>)> = trees
+            .filter_map(|((shown, tree), number)| {
+                let trunk = self.world.trunks[tree.crown].as_ref()?;
+                let bounds = trunk.branches().bounds();
+                let middle = 0.5 * (bounds.min + bounds.max);
+                let middle = tree.placement.to_world(middle);
+                let shown = shown.as_deref()?;
+                Some((middle.distance_squared(self.eye), number, shown))
+            })
+            .collect();
+        order.sort_by(|one, other| other.0.total_cmp(&one.0).then(other.1.cmp(&one.1)));
+        for (_, _, trunk) in order {
+            trunk.draw_lines(&mut steps);
+        }
+        steps
+    }
+
     /// Every fragment of the frame that was drawn last at one of its pixels, in the order of
     /// submission: what shows, what it hides, and what the alpha test killed.
     ///
@@ -366,6 +399,7 @@ impl<'w> Session<'w> {
         for resident in &self.residents {
             resident.draw_revealed(&mut pass.steps);
         }
+        pass.steps.extend(self.blended());
         Ok(self.device.probe(&pass, pixel)?)
     }
 
@@ -413,7 +447,8 @@ impl<'w> Session<'w> {
             self.environment.set_view(&mut self.device.queue(), &view)?;
             self.view = Some(view);
         }
-        let eye = self.scene.camera.at(frame, self.size).eye;
+        let eye = seen.eye;
+        self.eye = eye;
         for (tree, resident) in self.world.trees.iter().zip(&mut self.residents) {
             resident.look_from(&mut self.device.queue(), tree.placement.to_plant(eye))?;
         }

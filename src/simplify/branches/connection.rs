@@ -5,7 +5,7 @@ use crate::math::det;
 
 /// One side of a prismoid: corners of the polygon with fewer edges, and of the one with more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub enum Side {
     /// From edge to edge: the first corners of both; each edge goes on to the next corner.
     Quad {
         /// Of the polygon with fewer edges.
@@ -73,12 +73,11 @@ impl ConnectionTable {
 /// ```
 ///
 /// So no triangle is thinner than the rings demand: its apex is never farther around than half an
-/// edge of the polygon with fewer edges. As many quads are left as that has edges.
-fn connection(few: u32, many: u32) -> Connection {
-    // The nearest corner, halves to the one before: the greatest j with 2 j many < 2 i few + many.
-    let nearest = |corner: u32| (2 * corner * few + many - 1) / (2 * many);
-    let sides = (0..many).map(|corner| {
-        let (here, next) = (nearest(corner), nearest(corner + 1));
+/// edge of the polygon with fewer edges. As many quads are left as that has edges. Of `few` from 3 on, and
+/// `many` at least that.
+pub fn sides(few: u32, many: u32) -> impl Iterator<Item = Side> {
+    (0..many).map(move |corner| {
+        let (here, next) = (nearest(few, many, corner), nearest(few, many, corner + 1));
         if here == next {
             Side::Triangle {
                 few: here % few,
@@ -90,14 +89,23 @@ fn connection(few: u32, many: u32) -> Connection {
                 many: corner,
             }
         }
-    });
+    })
+}
+
+/// The nearest corner, halves to the one before: the greatest j with 2 j many < 2 i few + many.
+fn nearest(few: u32, many: u32, corner: u32) -> u32 {
+    (2 * corner * few + many - 1) / (2 * many)
+}
+
+fn connection(few: u32, many: u32) -> Connection {
+    let nearest = |corner| nearest(few, many, corner);
     let offsets = (0..=many).map(|corner| {
         // Of whole numbers of 1 / (few many), so that what is equal is exactly 0.
         let turns = (corner * few).abs_diff(nearest(corner) * many);
         std::f32::consts::TAU * turns as f32 / (few * many) as f32
     });
     Connection {
-        sides: sides.collect(),
+        sides: sides(few, many).collect(),
         offset: offsets.fold(0.0, f32::max),
         slack: if few == many { 0.0 } else { slack(few) },
     }

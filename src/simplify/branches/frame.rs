@@ -118,7 +118,8 @@ fn upright(normal: Vec3, tangent: Vec3) -> Vec3 {
 }
 
 /// A frame about a direction of its own.
-pub(super) fn upright_frame(tangent: Vec3) -> Frame {
+#[must_use]
+pub fn upright_frame(tangent: Vec3) -> Frame {
     let normal = perpendicular(tangent);
     Frame {
         tangent,

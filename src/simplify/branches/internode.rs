@@ -50,7 +50,7 @@ impl Internode {
 
 /// The normal at a point of a node's circle (eq. A5), given cosine and sine of its angle.
 #[must_use]
-pub(super) fn radial(node: &SkeletalVector, cosine: f32, sine: f32) -> Vec3 {
+pub fn radial(node: &SkeletalVector, cosine: f32, sine: f32) -> Vec3 {
     (cosine * node.frame.normal + sine * node.frame.binormal).normalize_or(node.frame.normal)
 }
 

@@ -29,22 +29,27 @@ mod octree;
 mod polygons;
 mod relevance;
 mod route;
+mod routes;
 mod sequence;
 mod shares;
 mod skeletal;
+mod step;
 mod topology;
 
+pub use connection::{Side, sides};
 pub use edges::{EdgeTable, Edges, LEAST_EDGES, MOST_EDGES, fractional_edges};
-pub use frame::{Frame, FrameMethod, moving_frames};
-pub use internode::Internode;
+pub use frame::{Frame, FrameMethod, moving_frames, upright_frame};
+pub use internode::{Internode, radial};
 pub use merges::{Merge, MergeTable, WHOLE_MERGES, deviation as merge_deviation};
 pub use mesh::{BranchMesh, BranchVertex, PrimitiveCounts};
 pub use needles::{Needle, NeedleOptions, NeedleRadius, NeedleSequence, NeedleUnit};
 pub use polygons::{Caps, LineAlpha, LineNormals, PolygonOptions};
 pub use relevance::BranchRelevance;
+pub use routes::{BranchRoutes, RouteChange};
 pub use sequence::{BranchLevel, BranchOptions, BranchSequence, LevelBound, LevelNodes};
 pub use shares::{BranchErrors, Shares, permitted_error};
 pub use skeletal::{Attachment, BranchAxis, BranchSkeleton, SkeletalVector};
+pub use step::ErrorStep;
 pub use topology::TopologyOrder;
 
 #[cfg(test)]

@@ -126,6 +126,12 @@ impl NeedleSequence {
         &self.errors
     }
 
+    /// The error of what each is merged into, in metres: infinite for the last of a group.
+    #[must_use]
+    pub fn until(&self) -> &[f32] {
+        &self.until
+    }
+
     /// The needles of a level with the error `E5`, in metres: each needle of the plant is stood for by
     /// exactly one of them.
     pub fn at(&self, error: f32) -> impl Iterator<Item = u32> {

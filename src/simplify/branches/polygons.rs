@@ -40,6 +40,8 @@ pub enum LineAlpha {
         /// `δ`, in pixels.
         pixel_error: f32,
     },
+    /// None yet: in its place stands the width `2 R` in metres, for who draws knows how wide a pixel is.
+    Width,
 }
 
 /// The lines of one internode, by which it catches light.
@@ -62,7 +64,54 @@ pub enum Caps {
     Both,
 }
 
+impl LineAlpha {
+    /// The width, in metres, from which on a line is opaque, at an error `E3` and a whole error `ε`.
+    #[must_use]
+    pub fn opaque_width(self, polygon: f32, epsilon: f32) -> f32 {
+        match self {
+            Self::Paper => polygon,
+            Self::Coverage { pixel_error } => epsilon / pixel_error,
+            // A metre, so that widths are told in metres.
+            Self::Width => 1.0,
+        }
+    }
+}
+
 impl LineNormals {
+    /// Cosine and sine of the angles at which the lines of an internode have their normals.
+    #[must_use]
+    pub fn angles(self) -> &'static [(f32, f32)] {
+        const HALF_ROOT: f32 = 0.866_025_4;
+        match self {
+            Self::One => &[(1.0, 0.0)],
+            Self::Three => &[(1.0, 0.0), (-0.5, HALF_ROOT), (-0.5, -HALF_ROOT)],
+        }
+    }
+
+    /// How opaque each line is at a node of a radius, both in metres, so that all together are as opaque as
+    /// their width is a part of what is `opaque`.
+    #[must_use]
+    pub fn alpha(self, radius: f32, opaque: f32) -> f32 {
+        let width = 2.0 * radius;
+        let alpha = if width < opaque {
+            width / opaque
+        } else if width > 0.0 {
+            1.0
+        } else {
+            0.0
+        };
+        self.share(alpha)
+    }
+
+    /// How opaque each line is, so that all together are as opaque as this.
+    #[must_use]
+    pub fn share(self, alpha: f32) -> f32 {
+        match self {
+            Self::One => alpha,
+            Self::Three => 1.0 - det::cbrt(1.0 - alpha),
+        }
+    }
+
     fn count(self) -> u32 {
         match self {
             Self::One => 1,
@@ -158,10 +207,7 @@ struct Drawn {
 impl<'a> Polygonizer<'a> {
     /// For an error `E3` of polygons, at a level of the whole error `ε`.
     pub(super) fn new(polygons: &'a Polygons, error: f32, epsilon: f32) -> Self {
-        let opaque = match polygons.options.line_alpha {
-            LineAlpha::Paper => error,
-            LineAlpha::Coverage { pixel_error } => epsilon / pixel_error,
-        };
+        let opaque = polygons.options.line_alpha.opaque_width(error, epsilon);
         Self {
             polygons,
             error,
@@ -332,22 +378,14 @@ impl<'a> Polygonizer<'a> {
 
     fn line_end(&mut self, node: &PolygonNode) -> u32 {
         let first = index_u32(self.mesh.vertices.len());
-        let width = 2.0 * node.vector.radius;
-        let alpha = if width < self.opaque {
-            width / self.opaque
-        } else if width > 0.0 {
-            1.0
-        } else {
-            0.0
-        };
-        let (corners, alpha) = match self.polygons.options.line_normals {
-            LineNormals::One => (&[(1.0, 0.0)][..], alpha),
-            LineNormals::Three => {
-                let through = det::cbrt(1.0 - alpha);
-                (self.polygons.corners(3), 1.0 - through)
+        let normals = self.polygons.options.line_normals;
+        let alpha = match self.polygons.options.line_alpha {
+            LineAlpha::Width => 2.0 * node.vector.radius,
+            LineAlpha::Paper | LineAlpha::Coverage { .. } => {
+                normals.alpha(node.vector.radius, self.opaque)
             }
         };
-        let vertices = corners.iter().map(|&(cosine, sine)| BranchVertex {
+        let vertices = normals.angles().iter().map(|&(cosine, sine)| BranchVertex {
             position: node.vector.position,
             normal: radial(&node.vector, cosine, sine),
             texture: Vec2::new(0.5, node.along),

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::merges::MergeTable;
+use super::shares::BranchErrors;
 
 /// What merging may deviate, in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,6 +12,16 @@ pub(super) struct Allowed {
     pub(super) skeleton: f32,
     /// `E2`, of radius and frame.
     pub(super) radius: f32,
+}
+
+impl Allowed {
+    /// What a level's errors allow.
+    pub(super) fn of(errors: &BranchErrors) -> Self {
+        Self {
+            skeleton: errors.skeleton,
+            radius: errors.radius,
+        }
+    }
 }
 
 /// A node that stays, with the cost of the merge that ends there.

@@ -253,23 +253,45 @@ impl BranchSequence {
         &self.polygons.options
     }
 
+    /// Of every node how many nodes back the internode of a level begins that ends there; 0 where none
+    /// does.
+    #[must_use]
+    pub fn internodes(&self, errors: &BranchErrors) -> Vec<u32> {
+        let mut backs = vec![0; self.skeleton.vectors.len()];
+        let removed = self.topology.removed(errors.topology);
+        let mut kept = vec![true; self.skeleton.branches.len()];
+        for &branch in removed {
+            kept[branch as usize] = false;
+        }
+        let edges = self.edges(errors);
+        let cost = |from: usize, to: usize| self.polygons.primitives(edges[from], edges[to]);
+        let mut router = Router::default();
+        let branches = self.skeleton.branches.iter().zip(kept);
+        for (branch, _) in branches.filter(|(_, kept)| *kept) {
+            let stops = router.stops(&self.merges, branch.run(), Allowed::of(errors), cost);
+            for pair in stops.windows(2) {
+                backs[pair[1].node] = index_u32(pair[1].node - pair[0].node);
+            }
+        }
+        backs
+    }
+
+    /// The edges of a circle of this radius at an error `E3`, both in metres; 1 for a point.
+    #[must_use]
+    pub fn edges_of(&self, radius: f32, error: f32) -> u32 {
+        self.polygons.edges.edges(radius, error).count
+    }
+
+    /// The edges of every node's circle; 1 for a point.
+    fn edges(&self, errors: &BranchErrors) -> Vec<u32> {
+        let table = &self.polygons.edges;
+        let edges = |vector: &SkeletalVector| table.edges(vector.radius, errors.polygon).count;
+        self.skeleton.vectors.iter().map(edges).collect()
+    }
+
     /// The level of these branches; whoever is kept has a bearer that is.
     fn level_of(&self, kept: &[bool], errors: &BranchErrors) -> BranchLevel {
-        let allowed = Allowed {
-            skeleton: errors.skeleton,
-            radius: errors.radius,
-        };
-        let edges: Vec<u32> = self
-            .skeleton
-            .vectors
-            .iter()
-            .map(|vector| {
-                self.polygons
-                    .edges
-                    .edges(vector.radius, errors.polygon)
-                    .count
-            })
-            .collect();
+        let edges = self.edges(errors);
         let cost = |from: usize, to: usize| self.polygons.primitives(edges[from], edges[to]);
         let mut router = Router::default();
         let mut wood = Polygonizer::new(&self.polygons, errors.polygon, errors.epsilon);
@@ -282,7 +304,7 @@ impl BranchSequence {
                 removed = Some(removed.map_or(reach, |most: f32| most.max(reach)));
                 continue;
             }
-            let stops = router.stops(&self.merges, branch.run(), allowed, cost);
+            let stops = router.stops(&self.merges, branch.run(), Allowed::of(errors), cost);
             nodes.branches.push(index_u32(number));
             nodes.first.push(index_u32(nodes.nodes.len()));
             stayed.clear();
