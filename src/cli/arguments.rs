@@ -80,6 +80,8 @@ pub(super) enum Command {
     Parallax(ParallaxOptions),
     /// Hold what stands in for leaves against them: looks at three scales, bytes, frame times
     StandIns(StandInArguments),
+    /// Branches as polygons and lines, at a list of errors
+    Branches(BranchArguments),
     /// Join the folders of all shards of a run or sweep
     Merge(MergeOptions),
     /// Storage table: original, VDF, LoDF, by the papers' accounting and by true sizes
@@ -226,6 +228,46 @@ pub(super) struct StandInArguments {
         default_value = "looks,switches,textures"
     )]
     pub(super) parts: Vec<StandInPart>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct BranchArguments {
+    /// Scene file; branches are drawn as polygons and lines, whatever its `model.trunk`
+    pub(super) scene: PathBuf,
+    /// Pixels of a picture, such as 640x480, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Errors in metres, ascending
+    #[arg(
+        long,
+        value_name = "M,M",
+        value_delimiter = ',',
+        default_value = "0.00092,0.0387,0.108,0.188,0.39",
+        value_parser = error_in_metres
+    )]
+    pub(super) errors: Vec<f32>,
+    /// What is looked at
+    #[arg(
+        long,
+        value_enum,
+        value_name = "A,B,C",
+        value_delimiter = ',',
+        default_value = "levels,modes"
+    )]
+    pub(super) parts: Vec<BranchPart>,
+}
+
+/// What `branches` looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum BranchPart {
+    /// How each error looks, and pruning to as many primitives
+    Levels,
+    /// The same of a winding branch in the first plant's bark
+    Helix,
+    /// What each mode keeps and sends on a way through the errors and back
+    Modes,
+    /// How much each frame of the path differs from the one before
+    Steps,
 }
 
 /// What `stand-ins` looks at.
@@ -398,6 +440,13 @@ fn card(name: &str) -> Result<Card, String> {
 
 fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
     format!("wanted one of {}", names.collect::<Vec<_>>().join(", "))
+}
+
+fn error_in_metres(text: &str) -> Result<f32, String> {
+    let metres = text.parse::<f32>().ok();
+    metres
+        .filter(|metres| (0.0..=16.0).contains(metres))
+        .ok_or_else(|| "wanted metres from 0 to 16, such as 0.0387".to_owned())
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

@@ -9,6 +9,7 @@
 //! | 4 | cannot write |
 
 mod arguments;
+mod branches;
 mod bytes;
 mod cache;
 mod check_trace;
@@ -71,6 +72,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
     let done = match &arguments.command {
         Command::CheckTrace(options) => return check_trace::check_trace(options, shared, terminal),
         Command::StandIns(options) => return stand_ins::stand_ins(options, shared, terminal),
+        Command::Branches(options) => return branches::branches(options, shared, terminal),
         Command::Selftest => return selftest::selftest(shared, terminal),
         Command::Diff(options) => return diff::diff(options, shared, terminal),
         Command::Golden(options) => return golden::golden(options, shared, terminal),

@@ -16,6 +16,7 @@
 //! not at all, and nothing is replaced that spinney did not write.
 
 mod axis;
+mod branches;
 mod bytes;
 mod channels;
 mod diff;
@@ -39,6 +40,10 @@ mod table;
 mod thumbnail;
 
 pub use axis::{Axis, Scale};
+pub use branches::{
+    BranchReport, branch_level_table, branch_mode_table, branch_step_table, branch_text, edge_plot,
+    write_branches,
+};
 pub use bytes::{
     BYTES_SCHEMA, ByteReport, bytes_csv, bytes_json, bytes_markdown, bytes_page, bytes_plots,
     bytes_text, write_bytes,

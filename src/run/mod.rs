@@ -8,6 +8,7 @@
 //! **Invariant.** What a frame shows and counts depends on the scene and the frame's number alone:
 //! every session commits every frame in order, also those that it does not draw.
 
+mod branches;
 mod bytes;
 mod cache;
 mod crowns;
@@ -33,6 +34,10 @@ mod trunks;
 mod views;
 mod world;
 
+pub use branches::{
+    BranchLook, BranchModeCost, BranchStep, BranchStudy, SkeletonLine, StudyLevel, StudyWay,
+    branch_looks, branch_modes, branch_steps, edge_curves, helix,
+};
 pub use bytes::{ByteOptions, ModelBytes, PlantBytes, StepBytes, StepTraffic, bytes};
 pub use cache::{CacheLimit, ModelCache};
 pub use crowns::CrownStore;

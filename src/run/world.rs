@@ -11,7 +11,7 @@ use crate::limits;
 use crate::math::{Quat, det, index_u32};
 use crate::models::{Crown, Placement, Trunk};
 use crate::plant::{Foliage, Mesh, Plant, Prototype};
-use crate::scene::{CardOptions, ModelName, PlantSource, Scene, Simplifier, Tree};
+use crate::scene::{BranchChoice, CardOptions, ModelName, PlantSource, Scene, Simplifier, Tree};
 use crate::simplify::{
     CollapseSequence, LeafCollapseOptions, LeafSite, PlaneClusters, PlaneHierarchy, PlaneLevel,
     PlaneOptions, PlaneSolver, PruningOptions, cluster_planes, collapse_leaves, flattened,
@@ -213,6 +213,20 @@ impl World {
         };
         Self {
             crowns: self.crowns.iter().map(crown).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The same plants at the same places with branches as they are wanted.
+    #[must_use]
+    pub fn branched(&self, choice: &BranchChoice) -> Self {
+        let trunk = |trunk: &Arc<Trunk>| {
+            let plain = Trunk::of(trunk.plant(), None);
+            plain.map(|plain| Arc::new(plain.branched(*choice)))
+        };
+        let trunks = self.trunks.iter();
+        Self {
+            trunks: trunks.map(|known| known.as_ref().and_then(trunk)).collect(),
             ..self.clone()
         }
     }

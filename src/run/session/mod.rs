@@ -30,7 +30,7 @@ use crate::models::{
     CARD_GROUP, Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Placement, Resident,
     Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
 };
-use crate::raster::{Samples, decode_srgb};
+use crate::raster::{Image, Samples, decode_srgb};
 use crate::scene::{ImageSize, SampleCount, Scene};
 
 /// A scene on a device.
@@ -59,6 +59,15 @@ pub struct Session<'w> {
     camera: Option<Camera>,
     owners: Owners,
     shadows: Option<Shadows>,
+}
+
+/// Which part of a frame is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::run) enum Layers {
+    /// What is opaque.
+    Polygons,
+    /// What is blended, as if nothing were before it.
+    Lines,
 }
 
 /// The target's label.
@@ -466,6 +475,32 @@ impl<'w> Session<'w> {
         self.device.queue().submit(&commands)?;
         self.device.take_ledger();
         Ok(Shot::of(self.device.inspect_target(self.target)?))
+    }
+
+    /// Commits states, one a tree, and draws a frame with them.
+    pub(in crate::run) fn frame_of(
+        &mut self,
+        frame: u32,
+        states: &[TreeState],
+    ) -> Result<Frame, RunError> {
+        let change = self.commit_states(states)?;
+        self.draw(frame, change)
+    }
+
+    /// A frame as it is committed of which only some is drawn, counted by nobody.
+    pub(in crate::run) fn layers(&mut self, frame: u32, layers: Layers) -> Result<Image, RunError> {
+        self.set_view(frame)?;
+        let (mut pass, mut blended) = (self.pass(), self.blended());
+        match layers {
+            Layers::Polygons => blended.clear(),
+            Layers::Lines => pass.steps.clear(),
+        }
+        let residents = self.residents.iter().map(|resident| &**resident);
+        let commands = frame_commands(&self.environment, pass, blended, residents);
+        self.device.queue().submit(&commands)?;
+        let image = self.device.present(self.target)?;
+        self.device.take_ledger();
+        Ok(image)
     }
 
     /// What the frame that was drawn last shows.
