@@ -83,7 +83,8 @@ impl ErrorStep {
     #[must_use]
     pub fn towards(self, other: Self, done: u32, all: u32) -> Self {
         let way = i64::from(other.0) - i64::from(self.0);
-        let part = way * i64::from(done.min(all)) / i64::from(all.max(1));
+        let all = all.max(1);
+        let part = way * i64::from(done.min(all)) / i64::from(all);
         let number = i64::from(self.0) + part;
         // Between two steps, so it is one.
         Self(u16::try_from(number).unwrap_or(self.0))
