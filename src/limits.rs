@@ -97,6 +97,8 @@ limits! {
     CARDS: u32 = 1024, "impostors";
     /// Levels of detail of impostors.
     CARD_LEVELS: usize = 8, "levels";
+    /// Rows of leaf strokes after the first, which has one a leaf.
+    PAINT_ROWS: usize = 8, "rows";
     /// Cells a side of a scene's ground, of two triangles each.
     TERRAIN_CELLS: u64 = 1024, "cells";
     /// Keys of the camera's path.

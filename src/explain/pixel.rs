@@ -367,6 +367,7 @@ fn tree_story(run: &RecordedRun, world: &World, frame: &Frame, number: u32) -> O
             State::Uniform { .. } => "uniform",
             State::Variable { .. } => "variable",
             State::Cards(_) => "cards",
+            State::Strokes(_) => "strokes",
         },
         collapses: state.collapse_count(),
         all_collapses: crown.sequence().collapse_count(),

@@ -126,7 +126,7 @@ impl Crown {
     /// How many leaves show in a state, those of several faces too; none where cards show.
     #[must_use]
     pub fn shown_leaves(&self, state: &State) -> u64 {
-        if matches!(state, State::Cards(_)) {
+        if matches!(state, State::Cards(_) | State::Strokes(_)) {
             return 0;
         }
         let quads = state.leaf_count(&self.clusters);
@@ -136,7 +136,7 @@ impl Crown {
     /// How many triangles these leaves have: two a quad.
     #[must_use]
     pub fn shown_triangles(&self, state: &State) -> u64 {
-        if matches!(state, State::Cards(_)) {
+        if matches!(state, State::Cards(_) | State::Strokes(_)) {
             return 0;
         }
         let quads = state.leaf_count(&self.clusters);

@@ -26,6 +26,8 @@
 //! | [`Kind::Impostors`] | no leaves: textures and corners of cards, at all levels | 4 B |
 //! | [`Kind::IndirectImpostors`] | no leaves: maps, pictures of a leaf, corners of cards | 4 B |
 //! | [`Kind::RIVALS`] | no leaves: pictures of the whole crown | nothing |
+//! | [`Kind::StrokeRanges`] | strokes of the whole plant | 8 B a run of them, and the count (4 B); a move of the eye 4 B a stroke that comes at another time |
+//! | [`Kind::StrokesHost`] | no strokes: brushes alone | nothing; every draw fetches 60 B a stroke |
 //!
 //! Instances of one species that `LodfDevice` draws share buffers, one dispatch and one draw command, and
 //! may leave out what is hidden ([`Occlusion`]): [`frame_commands`] puts a frame's passes in order.
@@ -61,6 +63,7 @@ mod select;
 mod select_pass;
 mod shadow;
 mod state;
+mod strokes;
 mod surface;
 mod terrain;
 mod trunk;
@@ -83,8 +86,9 @@ pub use select::{
     Importance, Move, Sight, Spent, apportion, gain, level, level_with, select, settle, spend,
     spread, weights, within_pixels,
 };
-pub use state::{CardLevel, State, TreeState};
-pub use surface::{CARD_GROUP, LEAF_GROUP, shows_foliage};
+pub use state::{CardLevel, State, StrokeCut, TreeState};
+pub use strokes::Painting;
+pub use surface::{CARD_GROUP, LEAF_GROUP, STROKE_GROUP, shows_foliage};
 pub use terrain::{Ground, TERRAIN_GROUP};
 pub use trunk::{TRUNK_GROUP, Trunk, TrunkKind, TrunkLevel, TrunkModel, TrunkSimplifier};
 pub use viewpoint::Viewpoint;
@@ -93,7 +97,7 @@ use cards::RivalForm;
 
 use crate::gpu::{Command, Device, GpuError, Key, Ledger, Queue, Step};
 use crate::math::{DVec3, Vec3, index_u32};
-use crate::scene::CardOptions;
+use crate::scene::{CardOptions, PaintOptions};
 use crate::simplify::PrimitiveCounts;
 
 pub use crate::simplify::ErrorStep;
@@ -126,6 +130,11 @@ pub trait Model: Send + Sync + std::fmt::Debug {
 
     /// What it takes to keep it.
     fn storage(&self) -> Storage;
+
+    /// What it paints, where it is a model of strokes: of the whole plant, and not only of its crown.
+    fn painting(&self) -> Option<&Arc<Painting>> {
+        None
+    }
 
     /// What it cost to bake its textures on a device of its own, offline; `None` where none are baked.
     fn baked(&self) -> Option<&Ledger> {
@@ -234,6 +243,14 @@ pub trait Resident<S = State>: std::fmt::Debug {
         None
     }
 
+    /// Adds the steps that draw what lies behind everything, once a frame: the ground that is painted on.
+    fn draw_behind(&self, _steps: &mut Vec<Step>) {}
+
+    /// How many strokes it draws in place of leaves and branches.
+    fn strokes(&self) -> u64 {
+        0
+    }
+
     /// How many triangles of cards it draws in place of leaves.
     fn card_triangles(&self) -> u64 {
         0
@@ -329,6 +346,10 @@ pub enum Kind {
     HemiOctahedral,
     /// Pictures from 64 directions all around, likewise.
     Octahedral,
+    /// Strokes on the device, of which runs show.
+    StrokeRanges,
+    /// Strokes in host memory.
+    StrokesHost,
 }
 
 impl Kind {
@@ -369,7 +390,7 @@ impl Kind {
     ];
 
     /// Every kind.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::Full,
         Self::VdfHost,
         Self::VdfIndices,
@@ -388,6 +409,8 @@ impl Kind {
         Self::CrossedCards,
         Self::HemiOctahedral,
         Self::Octahedral,
+        Self::StrokeRanges,
+        Self::StrokesHost,
     ];
 
     /// The name of the model and the name of its mode, as in scene files.
@@ -412,6 +435,8 @@ impl Kind {
             Self::CrossedCards => ("crossed", "fixed"),
             Self::HemiOctahedral => ("octahedral", "hemisphere"),
             Self::Octahedral => ("octahedral", "sphere"),
+            Self::StrokeRanges => ("strokes", "ranges"),
+            Self::StrokesHost => ("strokes", "host"),
         }
     }
 
@@ -440,13 +465,19 @@ impl Kind {
         Self::ALL.into_iter().find(|kind| kind.label() == label)
     }
 
+    /// Whether it paints: shows strokes in place of leaves and branches.
+    #[must_use]
+    pub fn paints(self) -> bool {
+        matches!(self, Self::StrokeRanges | Self::StrokesHost)
+    }
+
     /// Whether it can show anything but full detail.
     #[must_use]
     pub fn has_levels(self) -> bool {
         self != Self::Full && !Self::RIVALS.contains(&self)
     }
 
-    /// Whether what it shows are leaves of the crown's sequence, and not cards in their place.
+    /// Whether what it shows are leaves of the crown's sequence, and not cards or strokes in their place.
     #[must_use]
     pub fn shows_leaves(self) -> bool {
         Self::LEAVES.contains(&self)
@@ -492,6 +523,8 @@ impl Kind {
             Self::LodfDevice => Box::new(lodf::Refined::new(crown, options)),
             Self::Impostors => Box::new(cards::Impostors::new(crown, options)),
             Self::IndirectImpostors => Box::new(cards::IndirectImpostors::new(crown, options)),
+            Self::StrokeRanges => Box::new(strokes::StrokeRanges::new(crown, options)),
+            Self::StrokesHost => Box::new(strokes::HostStrokes::new(crown, options)),
         };
         if self.shows_leaves() {
             faces::with_faces(model)
@@ -515,6 +548,8 @@ pub struct ModelOptions {
     pub occlusion: Occlusion,
     /// What cards are made of.
     pub cards: CardOptions,
+    /// How strokes are made and painted.
+    pub painting: PaintOptions,
 }
 
 /// What a device that selects by itself leaves out beside what lies out of sight. No picture depends on

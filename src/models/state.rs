@@ -22,6 +22,29 @@ pub enum State {
     },
     /// No leaf shows: cards stand for all of them.
     Cards(CardLevel),
+    /// No leaf shows, and no trunk: strokes stand for both.
+    Strokes(StrokeCut),
+}
+
+/// Which strokes of a painting show: fully describes what is resident beside the strokes themselves.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub struct StrokeCut {
+    /// The row of leaf strokes that the outer shells show, 0 the finest.
+    pub row: u32,
+    /// The first shell, from outside, that shows the next row instead.
+    pub switch: u32,
+    /// Of each branching level, from the trunk on: how many strokes its branches show.
+    pub limits: Vec<u32>,
+    /// How many branches show, the longest first.
+    pub branches: u32,
+}
+
+impl StrokeCut {
+    /// What it takes to keep: 4 bytes a number, and 4 for how many limits there are.
+    #[must_use]
+    pub fn host_bytes(&self) -> u64 {
+        16 + 4 * self.limits.len() as u64
+    }
 }
 
 /// Where a model of cards stands in its list of levels, in 1/256 of a level.
@@ -86,20 +109,20 @@ impl State {
     /// Full detail.
     pub const FINEST: Self = Self::Uniform { collapses: 0 };
 
-    /// The collapses done in each cluster; none where cards show.
+    /// The collapses done in each cluster; none where cards or strokes show.
     #[must_use]
     pub fn counts(&self, clusters: &Clusters) -> Vec<u32> {
         match self {
             Self::Uniform { collapses } => clusters.uniform(*collapses),
             Self::Variable { counts } => counts.clone(),
-            Self::Cards(_) => clusters.uniform(0),
+            Self::Cards(_) | Self::Strokes(_) => clusters.uniform(0),
         }
     }
 
-    /// The visible leaves, cluster by cluster, in array order; none where cards show.
+    /// The visible leaves, cluster by cluster, in array order; none where cards or strokes show.
     #[must_use]
     pub fn visible(&self, clusters: &Clusters) -> Vec<u32> {
-        if matches!(self, Self::Cards(_)) {
+        if matches!(self, Self::Cards(_) | Self::Strokes(_)) {
             return Vec::new();
         }
         let counts = self.counts(clusters);
@@ -112,7 +135,7 @@ impl State {
     /// How many leaves are visible.
     #[must_use]
     pub fn leaf_count(&self, clusters: &Clusters) -> u32 {
-        if matches!(self, Self::Cards(_)) {
+        if matches!(self, Self::Cards(_) | Self::Strokes(_)) {
             return 0;
         }
         let originals: u32 = clusters
@@ -123,11 +146,12 @@ impl State {
         originals - self.collapse_count()
     }
 
-    /// What it takes to keep: 4 bytes, and 4 a cluster where each has its own number.
+    /// What it takes to keep: 4 bytes, and 4 a cluster where each has its own number; [a cut's](StrokeCut::host_bytes).
     #[must_use]
     pub fn host_bytes(&self) -> u64 {
         match self {
             Self::Uniform { .. } | Self::Cards(_) => 4,
+            Self::Strokes(cut) => cut.host_bytes(),
             Self::Variable { counts } => 4 + 4 * counts.len() as u64,
         }
     }
@@ -149,7 +173,7 @@ impl State {
         match self {
             Self::Uniform { collapses } => *collapses,
             Self::Variable { counts } => counts.iter().sum(),
-            Self::Cards(_) => 0,
+            Self::Cards(_) | Self::Strokes(_) => 0,
         }
     }
 }

@@ -20,6 +20,9 @@ pub const LEAF_GROUP: u32 = 1;
 /// First part of the key of everything that shows a card in place of leaves.
 pub const CARD_GROUP: u32 = 3;
 
+/// First part of the key of strokes. They are blended, and leave no key.
+pub const STROKE_GROUP: u32 = 9;
+
 /// Whether what has this first part of a key is foliage: a leaf, or a card in place of some.
 #[must_use]
 pub fn shows_foliage(group: u32) -> bool {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::limits;
-use crate::math::{Digester, det, index_u32, index_usize};
+use crate::math::{Digester, Vec3, det, index_u32, index_usize};
 
 /// An image: sRGB colour with straight linear alpha, 8 bits a channel, rows top-down. Copies share their bytes.
 #[derive(Clone, PartialEq, Eq)]
@@ -47,6 +47,19 @@ impl Texture {
     #[must_use]
     pub fn rgba(&self) -> &[u8] {
         &self.rgba
+    }
+
+    /// The mean linear colour, weighed by alpha; black where all is clear.
+    #[must_use]
+    pub fn mean_color(&self) -> Vec3 {
+        let table = srgb_table();
+        let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
+        for &[red, green, blue, alpha] in self.rgba.as_chunks::<4>().0 {
+            let linear = [red, green, blue].map(|byte| table[usize::from(byte)]);
+            sum += f32::from(alpha) * Vec3::from_array(linear);
+            weight += f32::from(alpha);
+        }
+        if weight > 0.0 { sum / weight } else { sum }
     }
 
     /// The image and all smaller versions of it, level 0 first, down to 1 × 1; each side of a level

@@ -99,6 +99,7 @@ impl SessionOptions {
                     scene::Occlusion::TwoPhase => Occlusion::TwoPhase,
                 },
                 cards: scene.cards,
+                painting: scene.painting,
             },
             trunk: TrunkKind {
                 name: scene.model.trunk,

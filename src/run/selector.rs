@@ -13,8 +13,8 @@ use super::world::{StandingTree, World};
 use crate::math::whole_u32;
 use crate::models::{
     Band, ByDistance, ByScreenError, BySilhouette, CardLevel, Criterion, Crown, Extent, Importance,
-    Kind, Move, Resident, Sight, Spent, State, gain, level, level_with, select, settle, spend,
-    spread, within_pixels,
+    Kind, Move, Painting, Resident, Sight, Spent, State, StrokeCut, gain, level, level_with,
+    select, settle, spend, spread, within_pixels,
 };
 use crate::scene::{CriterionName, DetailKind, LeafAmount, ModelChoice, View};
 
@@ -135,6 +135,36 @@ impl Selector {
             [-band, 0.0, band].map(|by| CardLevel::at_share(share + by, levels));
         match present {
             Some(State::Cards(level)) if (finer..=coarser).contains(level) => *level,
+            _ => wanted,
+        }
+    }
+
+    /// What a view asks of a tree that is painted while `present` stands: as many strokes as its distance
+    /// wants, or the fixed level.
+    pub(super) fn strokes(
+        &self,
+        painting: &Painting,
+        tree: &StandingTree,
+        view: &View,
+        present: Option<&State>,
+    ) -> StrokeCut {
+        let sight = Sight::of(view, &tree.placement);
+        let pixels = |distance: f32| sight.pixels_per_metre(distance);
+        if let Some(fixed) = self.model.level {
+            return painting.at_level(fixed, pixels);
+        }
+        // The wish is told in the world's metres, as the scene has them.
+        let distance = sight.eye().distance(painting.center());
+        let band = self.model.hysteresis;
+        let [finer, wanted, coarser] =
+            [1.0 - band, 1.0, 1.0 + band].map(|by| painting.at_distance(by * distance, pixels));
+        let strokes = |cut: &StrokeCut| painting.counts(cut);
+        match present {
+            Some(State::Strokes(present)) if band > 0.0 => {
+                let [most, found, least] = [&finer, present, &coarser].map(strokes);
+                let is_between = (0..2).all(|of| least[of] <= found[of] && found[of] <= most[of]);
+                if is_between { present.clone() } else { wanted }
+            }
             _ => wanted,
         }
     }
@@ -293,6 +323,10 @@ fn moves_of(
     {
         let gain = gain(crown, &crown.bounds(), *from, *to, sight);
         moves.push(whole(*from, *to, gain));
+        return;
+    }
+    if let State::Strokes(_) = wanted {
+        moves.push(whole(0, 1, 1.0));
         return;
     }
     let clusters = crown.clusters();

@@ -11,7 +11,7 @@ use crate::models::{
     State, Vertices, shows_foliage,
 };
 use crate::raster::{Counters, Image, Target};
-use crate::scene::CardOptions;
+use crate::scene::{CardOptions, PaintOptions};
 
 /// Pixels of a picture's side.
 pub const VIEW_SIDE: u32 = 512;
@@ -118,6 +118,7 @@ impl Views {
             },
             occlusion: Occlusion::None,
             cards: CardOptions::USUAL,
+            painting: PaintOptions::USUAL,
         };
         let model = Kind::LodfStamps.model(crown, options);
         let studio = StudioOptions {

@@ -23,6 +23,7 @@ mod cards;
 mod forest;
 mod keys;
 mod model;
+mod painting;
 mod parse;
 mod reader;
 mod shadow;
@@ -45,6 +46,7 @@ pub use model::{
     CriterionName, DetailKind, DetailRange, Extraction, Gather, LeafAmount, Mode, ModelChoice,
     ModelName, Occlusion, RecordWidth, Simplifier, TrunkMode, TrunkName, VertexFormat,
 };
+pub use painting::{PaintLook, PaintMark, PaintOptions, PaintReach, PaintRows};
 pub use parse::{SceneFile, SceneSource};
 pub use shadow::Shadow;
 pub use terrain::Terrain;
@@ -93,6 +95,8 @@ pub struct Scene {
     pub cards: CardOptions,
     /// How wood and needles are drawn where trunks are branches.
     pub branches: BranchChoice,
+    /// How trees are painted where the model draws strokes.
+    pub painting: PaintOptions,
     /// The simulated device.
     pub device: DeviceChoice,
     /// What is compared with a stored reference, if anything.

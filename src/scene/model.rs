@@ -55,6 +55,8 @@ choices! {
         Crossed = "crossed",
         /// Pictures from 8 × 8 directions, of which three are blended ([B18](crate::references)).
         Octahedral = "octahedral",
+        /// Brush strokes with variable multiresolution, of leaves and branches ([CQHCVL06](crate::references)).
+        Strokes = "strokes",
         /// No level of detail, and every leaf moved into the plane of its cluster: what impostors are
         /// equivalent to ([GSS05](crate::references), § 4).
         Flattened = "flattened",
@@ -100,6 +102,8 @@ choices! {
         Hemisphere = "hemisphere",
         /// Octahedral pictures only: from all around.
         Sphere = "sphere",
+        /// Strokes only: all of them on the device; the runs that show are sent.
+        Ranges = "ranges",
     }
 }
 
@@ -254,6 +258,7 @@ impl ModelName {
             Self::Sprites => &[Mode::Nearest],
             Self::Crossed => &[Mode::Fixed],
             Self::Octahedral => &[Mode::Hemisphere, Mode::Sphere],
+            Self::Strokes => &[Mode::Ranges, Mode::Host],
         }
     }
 
@@ -266,7 +271,8 @@ impl ModelName {
             | Self::Billboard
             | Self::Sprites
             | Self::Crossed
-            | Self::Octahedral => false,
+            | Self::Octahedral
+            | Self::Strokes => false,
         }
     }
 }

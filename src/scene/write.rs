@@ -5,8 +5,8 @@ use crate::math::{Digest, Digester, Vec3};
 use super::value::BYTE_UNITS;
 use super::{
     BranchChoice, Camera, CardOptions, CriterionName, Forest, ForestChoice, Golden, LeafAmount,
-    ModelChoice, Occlusion, PlantSource, Projection, RecordWidth, SCHEMA, Scene, Simplifier,
-    Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
+    ModelChoice, Occlusion, PaintOptions, PaintReach, PlantSource, Projection, RecordWidth, SCHEMA,
+    Scene, Simplifier, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -51,6 +51,7 @@ pub fn to_toml(scene: &Scene) -> String {
     write_model(&mut text, &scene.model);
     write_cards(&mut text, &scene.cards);
     write_branches(&mut text, &scene.branches);
+    write_painting(&mut text, &scene.painting);
     text.heading("[device]");
     text.key("memory", &byte_size(scene.device.memory));
     text.key("link", &quoted(&scene.device.link));
@@ -72,7 +73,7 @@ impl Scene {
     /// so are the places that a forest found.
     ///
     /// What came later stands at the end, after a text that names it, and only where it differs from
-    /// its default: forests, terrain, cards, branches, shadow, and `selection` before the model's criterion, amount (by kind
+    /// its default: forests, terrain, cards, branches, painting, shadow, and `selection` before the model's criterion, amount (by kind
     /// as `u32`), hysteresis and budget of bytes, which are not where the model is.
     /// [`ModelChoice::records`] and [`ModelChoice::vertices`] do so within their table.
     #[must_use]
@@ -117,6 +118,13 @@ impl Scene {
         }
         if self.branches != BranchChoice::USUAL {
             digest_branches(&mut digester, &self.branches);
+        }
+        let painting = PaintOptions {
+            seed: self.seed,
+            ..PaintOptions::USUAL
+        };
+        if self.painting != painting {
+            digest_painting(digester.text("painting"), &self.painting);
         }
         if let Some(shadow) = &self.shadow {
             digester
@@ -304,6 +312,33 @@ fn write_branches(text: &mut Text, branches: &BranchChoice) {
     text.key("line_alpha", &quoted(branches.line_alpha.name()));
     text.key("line_normals", &quoted(branches.line_normals.name()));
     text.key("removal", &quoted(branches.removal.name()));
+}
+
+fn write_painting(text: &mut Text, painting: &PaintOptions) {
+    let list = |numbers: &[u32]| {
+        let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
+        format!("[{}]", numbers.join(", "))
+    };
+    text.heading("[painting]");
+    text.key("look", &quoted(painting.look.name()));
+    match painting.rows.reach() {
+        PaintReach::Distances(given) => text.key("distances", &list(given)),
+        PaintReach::Strokes(given) => text.key("strokes", &list(given)),
+    }
+    text.key("angles", &list(painting.rows.angles()));
+    text.key("hulls", &painting.hulls.to_string());
+    text.key("core_percent", &painting.core_percent.to_string());
+    text.key("at_once", &painting.at_once.to_string());
+    text.key("inward", &painting.inward.to_string());
+    text.key("branch_least", &painting.branch_least.to_string());
+    text.key("branch_step", &painting.branch_step.to_string());
+    text.key("full_distance", &painting.full_distance.to_string());
+    text.key("least_pixels", &painting.least_pixels.to_string());
+    text.key("leaf_scale", &painting.leaf_scale.to_string());
+    text.key("branch_scale", &painting.branch_scale.to_string());
+    text.key("grain", &painting.grain.to_string());
+    text.key("seed", &painting.seed.to_string());
+    text.key("mark", &quoted(painting.mark.name()));
 }
 
 fn write_golden(text: &mut Text, golden: &Golden) {
@@ -521,6 +556,34 @@ fn digest_branches(digester: &mut Digester, branches: &BranchChoice) {
         .u32(branches.line_alpha as u32)
         .u32(branches.line_normals as u32)
         .u32(branches.removal as u32);
+}
+
+fn digest_painting(digester: &mut Digester, painting: &PaintOptions) {
+    let (kind, given) = match painting.rows.reach() {
+        PaintReach::Distances(given) => (0, given),
+        PaintReach::Strokes(given) => (1, given),
+    };
+    digester.u32(painting.look as u32).u32(kind);
+    for numbers in [given, painting.rows.angles()] {
+        digester.u64(numbers.len() as u64);
+        for &number in numbers {
+            digester.u32(number);
+        }
+    }
+    digester
+        .u32(painting.hulls)
+        .u32(painting.core_percent)
+        .u32(painting.at_once)
+        .f32(painting.inward)
+        .u32(painting.branch_least)
+        .u32(painting.branch_step)
+        .f32(painting.full_distance)
+        .f32(painting.least_pixels)
+        .f32(painting.leaf_scale)
+        .f32(painting.branch_scale)
+        .f32(painting.grain)
+        .u64(painting.seed)
+        .u32(painting.mark as u32);
 }
 
 fn digest_golden(digester: &mut Digester, golden: &Golden) {

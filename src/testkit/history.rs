@@ -146,7 +146,7 @@ impl History {
     pub fn is_done(&self, op: u32, state: &State) -> bool {
         match state {
             State::Uniform { collapses } => op < *collapses,
-            State::Cards(_) => false,
+            State::Cards(_) | State::Strokes(_) => false,
             State::Variable { counts } => {
                 let cluster = self.clusters.changed_groups.get(op as usize);
                 let count = cluster.and_then(|&cluster| counts.get(cluster as usize));
@@ -162,7 +162,7 @@ impl History {
     pub fn fits(&self, state: &State) -> bool {
         match state {
             State::Uniform { collapses } => *collapses <= self.collapse_count(),
-            State::Cards(_) => false,
+            State::Cards(_) | State::Strokes(_) => false,
             State::Variable { counts } => {
                 let most = self.most_counts();
                 counts.len() == most.len()

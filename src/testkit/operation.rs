@@ -51,7 +51,10 @@ impl Operation {
             (Self::To(state), _) => return history.fits(state).then(|| state.clone()),
             (Self::Collapse, State::Uniform { collapses }) => collapses.checked_add(1)?,
             (Self::Split, State::Uniform { collapses }) => collapses.checked_sub(1)?,
-            (Self::Collapse | Self::Split, State::Variable { .. } | State::Cards(_)) => {
+            (
+                Self::Collapse | Self::Split,
+                State::Variable { .. } | State::Cards(_) | State::Strokes(_),
+            ) => {
                 return None;
             }
         };
@@ -125,6 +128,9 @@ impl fmt::Display for Shown<'_> {
         match self.0 {
             State::Uniform { collapses } => write!(out, "level {collapses}"),
             State::Cards(CardLevel(level)) => write!(out, "cards {level}"),
+            State::Strokes(cut) => {
+                write!(out, "strokes of row {} to shell {}", cut.row, cut.switch)
+            }
             State::Variable { counts } => {
                 write!(out, "clusters")?;
                 let shown = 16;

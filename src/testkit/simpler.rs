@@ -122,7 +122,7 @@ fn fitted(state: &State, history: &History) -> State {
         State::Uniform { collapses } => State::Uniform {
             collapses: (*collapses).min(history.collapse_count()),
         },
-        State::Cards(_) => state.clone(),
+        State::Cards(_) | State::Strokes(_) => state.clone(),
         State::Variable { counts } => {
             let counts = counts.iter().copied().chain(std::iter::repeat(0));
             let counts = counts.zip(history.most_counts());
@@ -198,7 +198,7 @@ impl Simpler for Operation {
                     .chain(smaller(*collapses).into_iter().map(level))
                     .collect()
             }
-            Self::To(State::Cards(_)) => Vec::new(),
+            Self::To(State::Cards(_) | State::Strokes(_)) => Vec::new(),
             Self::To(State::Variable { counts }) => {
                 let mut simpler = vec![Self::Collapse, level(counts.iter().sum())];
                 for (cluster, &count) in counts.iter().enumerate() {

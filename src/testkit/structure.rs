@@ -75,8 +75,8 @@ pub(super) fn travel(structure: &mut impl Structure, from: &State, to: &State) -
             (*to..*from).for_each(|_| structure.split());
             true
         }
-        (State::Variable { .. } | State::Cards(_), State::Uniform { .. })
-        | (_, State::Cards(_)) => false,
+        (State::Variable { .. } | State::Cards(_) | State::Strokes(_), State::Uniform { .. })
+        | (_, State::Cards(_) | State::Strokes(_)) => false,
     }
 }
 

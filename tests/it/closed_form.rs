@@ -70,7 +70,7 @@ impl Forest {
                 self.trees.iter().map(done).collect()
             }
             State::Variable { counts } => counts.iter().map(|&count| count as usize).collect(),
-            State::Cards(_) => vec![0; self.trees.len()],
+            State::Cards(_) | State::Strokes(_) => vec![0; self.trees.len()],
         }
     }
 
@@ -146,7 +146,7 @@ const LEAVES_ONLY: &str = "only kinds that show leaves are asked";
 impl<'f> Expected<'f> {
     pub(crate) fn at(forest: &'f Forest, kind: Kind, format: LeafFormat, state: &State) -> Self {
         let (counter, thresholds) = match state {
-            State::Cards(_) => (0, vec![0; forest.trees.len()]),
+            State::Cards(_) | State::Strokes(_) => (0, vec![0; forest.trees.len()]),
             State::Uniform { collapses } => (*collapses, vec![0; forest.trees.len()]),
             State::Variable { .. } => (u32::MAX, thresholds_of(forest, kind, state)),
         };
@@ -304,7 +304,7 @@ impl<'f> Expected<'f> {
         let mut sent = Vec::new();
         let counter = match to {
             State::Uniform { collapses } => *collapses,
-            State::Cards(_) => 0,
+            State::Cards(_) | State::Strokes(_) => 0,
             State::Variable { .. } => {
                 let wanted = thresholds_of(self.forest, self.kind, to);
                 let held = std::mem::replace(&mut self.thresholds, wanted);
@@ -346,7 +346,9 @@ impl<'f> Expected<'f> {
                 assert!(window < 2 * 4 * visible, "fewer than twice the visible");
                 (1, window)
             }
-            (Kind::LodfStamps, State::Variable { .. } | State::Cards(_)) => (1, 4 * all),
+            (Kind::LodfStamps, State::Variable { .. } | State::Cards(_) | State::Strokes(_)) => {
+                (1, 4 * all)
+            }
             // A window a cluster, whatever the state.
             (Kind::LodfDevice, _) => {
                 let collapses = self.forest.originals - visible;

@@ -43,6 +43,7 @@ mod shards;
 mod shrinking;
 mod simplify_props;
 mod stand_ins;
+mod strokes;
 mod support;
 mod threads;
 mod traces;

@@ -11,7 +11,8 @@ use spinney::models::{
     State, TrunkKind, TrunkLevel,
 };
 use spinney::scene::{
-    CardCounts, CardOptions, CardOutline, CardSides, SpriteScale, TrunkMode, TrunkName,
+    CardCounts, CardOptions, CardOutline, CardSides, PaintOptions, SpriteScale, TrunkMode,
+    TrunkName,
 };
 use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
 use spinney::testkit::strategy::{self, WalkOptions};
@@ -49,6 +50,7 @@ pub(crate) fn options(choice: u64) -> ModelOptions {
             Occlusion::TwoPhase
         },
         cards: CardOptions::USUAL,
+        painting: PaintOptions::USUAL,
     }
 }
 
@@ -417,7 +419,7 @@ mod seeded {
             State::Uniform { collapses } => State::Uniform {
                 collapses: collapses + 1,
             },
-            other @ (State::Variable { .. } | State::Cards(_)) => other.clone(),
+            other @ (State::Variable { .. } | State::Cards(_) | State::Strokes(_)) => other.clone(),
         };
         fault.put(&mut stage, unused, further, |corners| corners - 4);
         stage.commit(to);

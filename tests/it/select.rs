@@ -168,7 +168,7 @@ properties! {
                 let stands = |state: &State| match state {
                     State::Uniform { collapses } => vec![*collapses],
                     State::Variable { counts } => counts.clone(),
-                    State::Cards(_) => Vec::new(),
+                    State::Cards(_) | State::Strokes(_) => Vec::new(),
                 };
                 let pairs = stands(&present).into_iter().zip(stands(&wanted(eye, 0.0)));
                 for ((stands, wish), range) in pairs.zip(ranges) {

@@ -17,7 +17,7 @@ use spinney::models::{
 use spinney::plant::{Foliage, LeafGroup, Material, Mesh, NO_BRANCH, Plant, Prototype, Texture};
 use spinney::raster::Image;
 use spinney::run::{Silent, World};
-use spinney::scene::{CardOptions, Scene, SceneFile};
+use spinney::scene::{CardOptions, PaintOptions, Scene, SceneFile};
 use spinney::simplify::{Collapse, CollapseSequence, hand_on_areas};
 use spinney::testkit::Tally;
 pub(crate) use spinney::testkit::{DeviceModel, Stage};
@@ -366,6 +366,7 @@ pub(crate) const OPTIONS: ModelOptions = ModelOptions {
     format: LeafFormat::WIDE,
     occlusion: Occlusion::None,
     cards: CardOptions::USUAL,
+    painting: PaintOptions::USUAL,
 };
 
 /// Stages where memory suffices.

@@ -5,7 +5,7 @@ use crate::models::Placement;
 
 /// Where a frame is seen from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Eye {
+pub(in crate::models) enum Eye {
     /// From a point.
     At(Vec3),
     /// In parallel, from this direction: a unit vector towards the viewer.
@@ -18,7 +18,7 @@ impl Eye {
     /// It is what the rows of `x`, `y` and `w` all take to 0, which is found as their cross product in
     /// four dimensions: a point, or a direction where its last coordinate is 0, as it is to the bit
     /// where the row of `w` is (0, 0, 0, 1). Computed in `f64`.
-    pub(super) fn of(clip: &Mat4) -> Self {
+    pub(in crate::models) fn of(clip: &Mat4) -> Self {
         let row = |row: usize| clip.row(row).as_dvec4();
         let (x, y, z, w) = (row(0), row(1), row(2), row(3));
         let (right, up, ahead) = (x.truncate(), y.truncate(), w.truncate());
@@ -39,7 +39,7 @@ impl Eye {
     }
 
     /// The same in the space of a plant that stands there.
-    pub(super) fn of_plant(self, placement: &Placement) -> Self {
+    pub(in crate::models) fn of_plant(self, placement: &Placement) -> Self {
         match self {
             Self::At(eye) => Self::At(placement.to_plant(eye)),
             Self::Towards(toward) => Self::Towards(placement.rotation.inverse() * toward),
@@ -47,7 +47,7 @@ impl Eye {
     }
 
     /// The unit vector from a point to the viewer; 0 where the viewer is there.
-    pub(super) fn toward(self, point: Vec3) -> Vec3 {
+    pub(in crate::models) fn toward(self, point: Vec3) -> Vec3 {
         match self {
             Self::At(eye) => unit(eye.as_dvec3() - point.as_dvec3()),
             Self::Towards(toward) => toward,

@@ -305,7 +305,7 @@ impl CardInstances {
 fn level_of(state: &State, coarsest: CardLevel) -> CardLevel {
     match state {
         State::Cards(level) => (*level).min(coarsest),
-        State::Uniform { .. } | State::Variable { .. } => CardLevel::FINEST,
+        State::Uniform { .. } | State::Variable { .. } | State::Strokes(_) => CardLevel::FINEST,
     }
 }
 

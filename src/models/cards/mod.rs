@@ -30,6 +30,7 @@ mod rival_program;
 mod rivals;
 mod triangles;
 
+pub(super) use eye::Eye;
 pub(super) use impostors::Impostors;
 pub(super) use indirect::IndirectImpostors;
 pub use indirect_map::LeafMapFacts;

@@ -271,7 +271,7 @@ impl Shared for RefinedShared {
         let (source, wanted) = match state {
             State::Uniform { collapses } => (*collapses, vec![0; roots as usize]),
             State::Variable { counts } => (VARIABLE, counts.clone()),
-            State::Cards(_) => (0, vec![0; roots as usize]),
+            State::Cards(_) | State::Strokes(_) => (0, vec![0; roots as usize]),
         };
         let (rooms, room) = self.room(device)?;
         let resident = RefinedResident {
@@ -311,7 +311,7 @@ impl Resident for RefinedResident {
         let mut words: Vec<(u64, [u8; 4], Cause)> = Vec::new();
         let source = match to {
             State::Uniform { collapses } => *collapses,
-            State::Cards(_) => 0,
+            State::Cards(_) | State::Strokes(_) => 0,
             State::Variable { counts } => {
                 for (cluster, (wanted, held)) in counts.iter().zip(&mut self.wanted).enumerate() {
                     if wanted != held {
@@ -339,7 +339,7 @@ impl Resident for RefinedResident {
     fn price(&self, to: &State) -> u64 {
         match to {
             State::Uniform { collapses } => 4 * u64::from(*collapses != self.source),
-            State::Cards(_) => 4 * u64::from(self.source != 0),
+            State::Cards(_) | State::Strokes(_) => 4 * u64::from(self.source != 0),
             State::Variable { counts } => {
                 let words = counts.iter().zip(&self.wanted);
                 let differ = words.filter(|(wanted, held)| wanted != held).count() as u64;

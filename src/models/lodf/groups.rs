@@ -34,7 +34,7 @@ impl Groups {
             state: state.clone(),
             uniform: match state {
                 State::Uniform { collapses } => clusters.uniform(*collapses),
-                State::Cards(_) => clusters.uniform(0),
+                State::Cards(_) | State::Strokes(_) => clusters.uniform(0),
                 State::Variable { .. } => Vec::new(),
             },
         }
@@ -47,7 +47,7 @@ impl Groups {
     /// The collapses done in each cluster.
     pub(super) fn collapses(&self) -> &[u32] {
         match &self.state {
-            State::Uniform { .. } | State::Cards(_) => &self.uniform,
+            State::Uniform { .. } | State::Cards(_) | State::Strokes(_) => &self.uniform,
             State::Variable { counts } => counts,
         }
     }

@@ -164,7 +164,9 @@ impl Shared for StampsShared {
         let Uploaded { model, surface } = &self.uploaded;
         let clusters = model.crown.clusters();
         let thresholds_words = match state {
-            State::Uniform { .. } | State::Cards(_) => vec![0; clusters.clusters.len()],
+            State::Uniform { .. } | State::Cards(_) | State::Strokes(_) => {
+                vec![0; clusters.clusters.len()]
+            }
             State::Variable { counts } => thresholds(clusters, counts),
         };
         let mut buffer = |label, words: &[u32], usage| {
@@ -199,7 +201,7 @@ impl Shared for StampsShared {
             steps,
             state: state.clone(),
             stale: match state {
-                State::Uniform { .. } | State::Cards(_) => thresholds_words,
+                State::Uniform { .. } | State::Cards(_) | State::Strokes(_) => thresholds_words,
                 State::Variable { .. } => Vec::new(),
             },
         }))
@@ -211,7 +213,7 @@ fn counter_word(state: &State) -> u32 {
     match state {
         State::Uniform { collapses } => *collapses,
         State::Variable { .. } => VARIABLE,
-        State::Cards(_) => 0,
+        State::Cards(_) | State::Strokes(_) => 0,
     }
 }
 
@@ -248,7 +250,9 @@ impl Resident for StampsResident {
         let change = self.state.change_to(to, clusters);
         let mut words: Vec<(BufferId, u64, [u8; 4], Cause)> = Vec::new();
         let held = match &self.state {
-            State::Uniform { .. } | State::Cards(_) => std::mem::take(&mut self.stale),
+            State::Uniform { .. } | State::Cards(_) | State::Strokes(_) => {
+                std::mem::take(&mut self.stale)
+            }
             State::Variable { counts } => thresholds(clusters, counts),
         };
         if let State::Variable { counts } = to {
@@ -290,10 +294,11 @@ impl Resident for StampsResident {
             wanted.iter().zip(held).filter(|(a, b)| a != b).count() as u64
         };
         let changed = match (to, &self.state) {
-            (State::Uniform { .. } | State::Cards(_), _) => 0,
-            (State::Variable { counts }, State::Uniform { .. } | State::Cards(_)) => {
-                differ(thresholds(clusters, counts), &self.stale)
-            }
+            (State::Uniform { .. } | State::Cards(_) | State::Strokes(_), _) => 0,
+            (
+                State::Variable { counts },
+                State::Uniform { .. } | State::Cards(_) | State::Strokes(_),
+            ) => differ(thresholds(clusters, counts), &self.stale),
             (State::Variable { counts }, State::Variable { counts: present }) => {
                 differ(thresholds(clusters, counts), &thresholds(clusters, present))
             }
@@ -303,7 +308,7 @@ impl Resident for StampsResident {
 
     fn cluster_price(&self, cluster: u32, collapses: u32) -> Option<u64> {
         match &self.state {
-            State::Uniform { .. } | State::Cards(_) => None,
+            State::Uniform { .. } | State::Cards(_) | State::Strokes(_) => None,
             State::Variable { counts } => {
                 Some(4 * u64::from(counts[cluster as usize] != collapses))
             }

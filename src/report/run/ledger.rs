@@ -75,7 +75,8 @@ pub struct LedgerEntry {
     /// Strokes drawn.
     pub strokes: u64,
     /// How many instances show which level: `uniform:C` after the first `C` collapses, `variable`
-    /// where every cluster has its own number. Sums have none.
+    /// where every cluster has its own number, `strokes:R:S` where strokes are of row `R` up to shell `S`.
+    /// Sums have none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub levels: Option<BTreeMap<String, u64>>,
     /// Draws executed.
@@ -217,6 +218,7 @@ impl LedgerEntry {
             frame: Some(frame.frame),
             image_digest: Some(frame.image_digest.to_string()),
             leaves: frame.leaves,
+            strokes: frame.strokes,
             triangles: frame.triangles,
             levels: Some(levels),
             collapses: u64::from(frame.change.collapses),
@@ -349,6 +351,7 @@ fn level_name(state: &State) -> String {
         State::Uniform { collapses } => format!("uniform:{collapses}"),
         State::Variable { .. } => "variable".to_owned(),
         State::Cards(CardLevel(level)) => format!("cards:{level}"),
+        State::Strokes(cut) => format!("strokes:{}:{}", cut.row, cut.switch),
     }
 }
 

@@ -10,8 +10,8 @@
 //! `uniform` stands the number of collapses done of the whole sequence. After `variable` stand pairs
 //! of a cluster and the number of collapses done in it, for the clusters that changed; where the tree
 //! was not variable on the line before, for those with any. After `cards` stands where a model of cards
-//! stands between its levels, in 1/256. After `trunk` stands the number of
-//! collapses done of the trunk's sequence, after `branches` the step of its branches' error; without
+//! stands between its levels, in 1/256. After `strokes` stands a cut of a painting. After `trunk` stands the
+//! number of collapses done of the trunk's sequence, after `branches` the step of its branches' error; without
 //! either, of a tree that is named, none is done.
 
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::ledger::json;
 use crate::limits;
 use crate::math::index_u32;
-use crate::models::{CardLevel, ErrorStep, State, TreeState, TrunkLevel};
+use crate::models::{CardLevel, ErrorStep, State, StrokeCut, TreeState, TrunkLevel};
 use crate::report::ReportError;
 use crate::run::World;
 
@@ -40,6 +40,8 @@ struct TreeLine {
     variable: Option<Vec<(u32, u32)>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     cards: Option<CardLevel>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    strokes: Option<StrokeCut>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     trunk: Option<u32>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -73,22 +75,27 @@ fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLi
         TrunkLevel::Collapses(collapses) => (Some(collapses), None),
         TrunkLevel::Error(step) => (None, Some(step)),
     };
+    let line = TreeLine {
+        tree,
+        uniform: None,
+        variable: None,
+        cards: None,
+        strokes: None,
+        trunk,
+        branches,
+    };
     match foliage {
         State::Uniform { collapses } => TreeLine {
-            tree,
             uniform: Some(*collapses),
-            variable: None,
-            cards: None,
-            trunk,
-            branches,
+            ..line
         },
         State::Cards(level) => TreeLine {
-            tree,
-            uniform: None,
-            variable: None,
             cards: Some(*level),
-            trunk,
-            branches,
+            ..line
+        },
+        State::Strokes(cut) => TreeLine {
+            strokes: Some(cut.clone()),
+            ..line
         },
         State::Variable { counts } => {
             let known = |cluster: usize| match before.map(|before| &before.foliage) {
@@ -98,12 +105,8 @@ fn tree_line(tree: u32, before: Option<&TreeState>, state: &TreeState) -> TreeLi
             let changed = counts.iter().enumerate();
             let changed = changed.filter(|(cluster, count)| known(*cluster) != **count);
             TreeLine {
-                tree,
-                uniform: None,
                 variable: Some(changed.map(|(c, count)| (index_u32(c), *count)).collect()),
-                cards: None,
-                trunk,
-                branches,
+                ..line
             }
         }
     }
@@ -192,8 +195,11 @@ impl<'w> OpsReader<'w> {
                 ));
             }
         };
-        let foliage = match (change.uniform, &change.variable, change.cards) {
-            (None, None, Some(level)) => {
+        let wanted = (change.uniform, &change.variable, change.cards);
+        let foliage = match (wanted, &change.strokes) {
+            // Numbers past what there is mean all of it.
+            ((None, None, None), Some(cut)) => State::Strokes(cut.clone()),
+            ((None, None, Some(level)), None) => {
                 let levels = limits::CARD_LEVELS as u64;
                 let most = u64::from(CardLevel::STEPS) * (levels - 1);
                 if u64::from(level.0) > most {
@@ -204,11 +210,11 @@ impl<'w> OpsReader<'w> {
                 }
                 State::Cards(level)
             }
-            (Some(collapses), None, None) => {
+            ((Some(collapses), None, None), None) => {
                 check("", collapses, crown.sequence().collapse_count())?;
                 State::Uniform { collapses }
             }
-            (None, Some(changed), None) => {
+            ((None, Some(changed), None), None) => {
                 let clusters = &crown.clusters().clusters;
                 let mut counts = match known.map(|known| &known.foliage) {
                     Some(State::Variable { counts }) => counts.clone(),
@@ -228,8 +234,9 @@ impl<'w> OpsReader<'w> {
                 State::Variable { counts }
             }
             _ => {
-                let message =
-                    format!("tree {number}: wanted one of `uniform`, `variable`, `cards`");
+                let message = format!(
+                    "tree {number}: wanted one of `uniform`, `variable`, `cards`, `strokes`"
+                );
                 return Err(message);
             }
         };

@@ -24,7 +24,7 @@ impl Session<'_> {
             // What foliage with levels shows, and how far the trunk goes with it.
             let axis = self.selector.chosen(crown, tree, &view, present);
             let trunk = self.world.trunks[tree.crown].as_ref();
-            let trunk = trunk.filter(|_| self.trunk.has_levels());
+            let trunk = trunk.filter(|_| self.trunk.has_levels() && !self.paints_trunk(tree.crown));
             TreeState {
                 trunk: trunk.map_or(TrunkLevel::FINEST, |trunk| match model.trunk_level {
                     Some(level) if self.trunk.has_errors() => {
@@ -43,10 +43,17 @@ impl Session<'_> {
                 foliage: match (self.kind.shows_leaves(), self.kind.has_levels()) {
                     (true, true) => axis,
                     (true, false) => State::FINEST,
-                    (false, _) => {
-                        let levels = self.card_levels;
-                        State::Cards(self.selector.cards(crown, tree, &view, present, levels))
-                    }
+                    (false, _) => match &self.paintings[tree.crown] {
+                        Some(painting) => {
+                            let cut = self.selector.strokes(painting, tree, &view, present);
+                            State::Strokes(cut)
+                        }
+                        None => {
+                            let levels = self.card_levels;
+                            let level = self.selector.cards(crown, tree, &view, present, levels);
+                            State::Cards(level)
+                        }
+                    },
                 },
             }
         };

@@ -10,6 +10,8 @@
 mod detail;
 mod owner;
 
+use std::sync::Arc;
+
 pub use owner::Owner;
 
 use owner::Owners;
@@ -27,8 +29,8 @@ use crate::gpu::{
 };
 use crate::math::{Vec3, Vec4, index_u32};
 use crate::models::{
-    CARD_GROUP, Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Placement, Resident,
-    Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
+    CARD_GROUP, Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Painting, Placement,
+    Resident, Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
 };
 use crate::raster::{Image, Samples, decode_srgb};
 use crate::scene::{ImageSize, SampleCount, Scene};
@@ -41,6 +43,8 @@ pub struct Session<'w> {
     kind: Kind,
     /// How many levels its cards have.
     card_levels: u32,
+    /// What is painted of each plant, where the model paints.
+    paintings: Vec<Option<Arc<Painting>>>,
     trunk: TrunkKind,
     selector: Selector,
     size: ImageSize,
@@ -171,12 +175,16 @@ impl<'w> Session<'w> {
         owners.claim(&device, Owner::Scene);
         let mut trunks = Vec::new();
         let mut shared: Vec<Box<dyn Shared>> = Vec::new();
+        let mut paintings: Vec<Option<Arc<Painting>>> = Vec::new();
         for (number, crown) in world.crowns.iter().enumerate() {
-            let trunk = world.trunks[number].as_ref();
-            let model = trunk.map(|trunk| options.trunk.model(trunk, options.model));
-            let uploaded = model.map(|model| model.upload(&mut device, &environment));
-            trunks.push(uploaded.transpose()?);
             let model = options.kind.model(crown, options.model);
+            let painting = model.painting().map(Arc::clone);
+            let trunk = world.trunks[number].as_ref();
+            let trunk = trunk.filter(|_| !paints_trunk(painting.as_ref()));
+            paintings.push(painting);
+            let trunk = trunk.map(|trunk| options.trunk.model(trunk, options.model));
+            let uploaded = trunk.map(|trunk| trunk.upload(&mut device, &environment));
+            trunks.push(uploaded.transpose()?);
             let standing = world.trees.iter().filter(|tree| tree.crown == number);
             let rooms = index_u32(standing.count());
             shared.push(model.upload(&mut device, &environment.with_rooms(rooms))?);
@@ -187,6 +195,7 @@ impl<'w> Session<'w> {
             world,
             kind: options.kind,
             card_levels: options.kind.card_levels(&options.model.cards),
+            paintings,
             trunk: options.trunk,
             // Also where foliage has no levels: trunks follow the axis that it would be on.
             selector: Selector::new(Kind::LodfHost, &scene.model),
@@ -283,12 +292,14 @@ impl<'w> Session<'w> {
         let states = self.states();
         let leaves = self.leaf_count();
         let cards: u64 = self.residents.iter().map(|one| one.card_triangles()).sum();
+        let strokes: u64 = self.residents.iter().map(|one| one.strokes()).sum();
         let (mut leaf_triangles, mut trunk_triangles) = (0, 0);
         let trees = self.world.trees.iter().zip(&self.trunks);
         for ((tree, shown), state) in trees.zip(&states) {
             leaf_triangles += self.world.crowns[tree.crown].shown_triangles(&state.foliage);
-            if let Some(trunk) = &self.world.trunks[tree.crown] {
-                trunk_triangles += match shown.as_ref().and_then(|shown| shown.primitives()) {
+            // Those that strokes stand for are not drawn.
+            if let (Some(trunk), Some(shown)) = (&self.world.trunks[tree.crown], shown) {
+                trunk_triangles += match shown.primitives() {
                     Some(counts) => 2 * counts.quads + counts.triangles,
                     None => u64::from(self.trunk.triangle_count(trunk, state.trunk)),
                 };
@@ -303,7 +314,8 @@ impl<'w> Session<'w> {
             image_digest: image.digest(),
             image,
             leaves,
-            triangles: leaf_triangles + cards + trunk_triangles + u64::from(ground),
+            strokes,
+            triangles: leaf_triangles + cards + 2 * strokes + trunk_triangles + u64::from(ground),
             trunk_triangles,
             change: change.foliage,
             trunk_change: change.trunk,
@@ -353,6 +365,9 @@ impl<'w> Session<'w> {
     /// The pass that draws all trees as they are committed, or as many as are drawn first.
     fn pass(&self) -> RenderPass {
         let mut steps = Vec::new();
+        if let Some(first) = self.residents.first() {
+            first.draw_behind(&mut steps);
+        }
         if let Some(ground) = &self.ground {
             ground.draw(&mut steps);
         }
@@ -360,7 +375,10 @@ impl<'w> Session<'w> {
             if let Some(trunk) = trunk {
                 trunk.draw(&mut steps);
             }
-            resident.draw(&mut steps);
+            // What is painted is blended.
+            if !self.kind.paints() {
+                resident.draw(&mut steps);
+            }
         }
         RenderPass {
             label: "frame".to_owned(),
@@ -373,28 +391,41 @@ impl<'w> Session<'w> {
         }
     }
 
-    /// What is blended, trees far from the viewer first; of equally far ones the later.
+    /// What is blended, the farthest tree first, of equals the first.
     fn blended(&self) -> Vec<Step> {
         let mut steps = Vec::new();
-        if !self.trunk.has_errors() {
+        if !self.trunk.has_errors() && !self.kind.paints() {
             return steps;
         }
-        let trees = self.trunks.iter().zip(&self.world.trees).zip(0_usize..);
-        let mut order: Vec<(f32, usize, &dyn Resident<TrunkLevel>)> = trees
-            .filter_map(|((shown, tree), number)| {
-                let trunk = self.world.trunks[tree.crown].as_ref()?;
-                let bounds = trunk.branches().bounds();
-                let middle = 0.5 * (bounds.min + bounds.max);
-                let middle = tree.placement.to_world(middle);
-                let shown = shown.as_deref()?;
-                Some((middle.distance_squared(self.eye), number, shown))
+        let trees = self.world.trees.iter().enumerate();
+        let mut far: Vec<(f32, usize)> = trees
+            .map(|(number, tree)| {
+                let center = self.world.crowns[tree.crown].plant().bounds().center();
+                let center = tree.placement.to_world(center);
+                (center.distance_squared(self.eye), number)
             })
             .collect();
-        order.sort_by(|one, other| other.0.total_cmp(&one.0).then(other.1.cmp(&one.1)));
-        for (_, _, trunk) in order {
-            trunk.draw_lines(&mut steps);
+        far.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, number) in far {
+            if let Some(trunk) = &self.trunks[number] {
+                trunk.draw_lines(&mut steps);
+            }
+            if self.kind.paints() {
+                self.residents[number].draw(&mut steps);
+            }
         }
         steps
+    }
+
+    /// What is painted of a plant, where the model paints.
+    #[must_use]
+    pub fn painting(&self, crown: usize) -> Option<&Arc<Painting>> {
+        self.paintings.get(crown)?.as_ref()
+    }
+
+    /// Whether strokes take the place of a plant's trunk.
+    fn paints_trunk(&self, crown: usize) -> bool {
+        paints_trunk(self.painting(crown))
     }
 
     /// Every fragment of the frame that was drawn last at one of its pixels, in the order of
@@ -523,4 +554,9 @@ impl<'w> Session<'w> {
                 .sum()
         })
     }
+}
+
+/// Whether strokes take the place of the trunk of what is painted.
+fn paints_trunk(painting: Option<&Arc<Painting>>) -> bool {
+    painting.is_some_and(|painting| painting.paints_trunk())
 }

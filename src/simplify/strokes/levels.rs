@@ -161,6 +161,25 @@ impl StrokeLevels {
         runs.filter(|run| !run.is_empty())
     }
 
+    /// The run of [`strokes`](Self::strokes) that are a shell's in any row.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such shell.
+    #[must_use]
+    pub fn of_shell(&self, shell: u32) -> Range<u32> {
+        assert!(shell < self.shells, "shell {shell} of {}", self.shells);
+        let first = |shell: u32| self.firsts.get((shell * self.rows) as usize).copied();
+        let end = first(shell + 1).unwrap_or(index_u32(self.strokes.len()));
+        first(shell).unwrap_or(end)..end
+    }
+
+    /// The tables that find a node: of each shell and row in which strokes are made the first of them, then
+    /// how many of them there are in each row.
+    pub fn words(&self) -> impl Iterator<Item = u32> + '_ {
+        self.firsts.iter().chain(&self.lasting).copied()
+    }
+
     /// How many strokes a shell has in a row.
     ///
     /// # Panics

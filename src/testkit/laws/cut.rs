@@ -51,7 +51,7 @@ fn done(state: &State) -> u32 {
     match state {
         State::Uniform { collapses } => *collapses,
         State::Variable { counts } => counts.iter().sum(),
-        State::Cards(_) => 0,
+        State::Cards(_) | State::Strokes(_) => 0,
     }
 }
 

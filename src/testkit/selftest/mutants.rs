@@ -14,7 +14,7 @@ use super::enumerate::{Extent, SingleSteps, first, flat_crown};
 use super::tamper::{DeviceFault, Tampered};
 use crate::math::{Stream, Vec3};
 use crate::models::{Extraction, Gather, Kind, LeafFormat, ModelOptions, Occlusion, State};
-use crate::scene::CardOptions;
+use crate::scene::{CardOptions, PaintOptions};
 use crate::simplify::{LeafSite, PlaneOptions, PlaneSolver, cluster_planes};
 
 /// What is taken through the cases.
@@ -210,6 +210,7 @@ const OPTIONS: ModelOptions = ModelOptions {
     format: LeafFormat::WIDE,
     occlusion: Occlusion::None,
     cards: CardOptions::USUAL,
+    painting: PaintOptions::USUAL,
 };
 
 impl Subject {

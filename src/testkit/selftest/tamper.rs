@@ -8,7 +8,7 @@ use crate::gpu::{Corners, Draw, DrawFromCounter, DrawIndirect, Step};
 use crate::models::{
     Crown, Extraction, Gather, Kind, LEAF_GROUP, LeafFormat, ModelOptions, Occlusion, State,
 };
-use crate::scene::CardOptions;
+use crate::scene::{CardOptions, PaintOptions};
 
 /// What is wrong in a device model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +55,7 @@ const OPTIONS: ModelOptions = ModelOptions {
     format: LeafFormat::WIDE,
     occlusion: Occlusion::None,
     cards: CardOptions::USUAL,
+    painting: PaintOptions::USUAL,
 };
 
 impl Tampered {
@@ -210,7 +211,7 @@ impl DeviceModel for Tampered {
         let done = |state: &State| match state {
             State::Uniform { collapses } => *collapses,
             State::Variable { counts } => counts.iter().sum(),
-            State::Cards(_) => 0,
+            State::Cards(_) | State::Strokes(_) => 0,
         };
         let is_split = done(to) < done(&self.state);
         let mut asked = to.clone();

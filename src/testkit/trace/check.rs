@@ -181,7 +181,7 @@ impl Checker {
     fn target(&self, step: &Step) -> Result<State, String> {
         let level = || match &self.now {
             Some((State::Uniform { collapses }, _)) => Ok(*collapses),
-            Some((State::Variable { .. } | State::Cards(_), _)) => {
+            Some((State::Variable { .. } | State::Cards(_) | State::Strokes(_), _)) => {
                 Err("stands at clusters, not at a level")
             }
             None => Err("the first step says by \"level\" or \"clusters\" where it stands"),
@@ -210,7 +210,7 @@ impl Checker {
             return Ok(to);
         }
         Err(match &to {
-            State::Cards(_) => "traces are of leaves, not of cards".to_owned(),
+            State::Cards(_) | State::Strokes(_) => "traces are of leaves, not of cards".to_owned(),
             State::Uniform { collapses } => {
                 let most = self.history.collapse_count();
                 format!("level {collapses}, but there are {most} collapses")

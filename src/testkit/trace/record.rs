@@ -210,7 +210,7 @@ fn to(state: &State) -> Step {
             ..Step::default()
         },
         // Structures of leaves do not go there; who reads such a step says so.
-        State::Cards(_) => Step::default(),
+        State::Cards(_) | State::Strokes(_) => Step::default(),
     }
 }
 
