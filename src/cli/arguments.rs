@@ -82,6 +82,8 @@ pub(super) enum Command {
     StandIns(StandInArguments),
     /// Branches as polygons and lines, at a list of errors
     Branches(BranchArguments),
+    /// Paint a plant at its levels: figures, strokes, modelled times, storage, and how still the paint lies
+    Paint(PaintArguments),
     /// Join the folders of all shards of a run or sweep
     Merge(MergeOptions),
     /// Storage table: original, VDF, LoDF, by the papers' accounting and by true sizes
@@ -279,6 +281,18 @@ pub(super) enum StandInPart {
     Switches,
     /// Bytes of direct and indirect textures of impostors, at equal FLIP
     Textures,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct PaintArguments {
+    /// Scene file; its first plant is painted as its table `painting` says
+    pub(super) scene: PathBuf,
+    /// Pixels of the screen, such as 640x480, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Steps that the camera goes around the tree, of each size; 0 leaves the measure of shimmer out
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=64))]
+    pub(super) steps: u32,
 }
 
 #[derive(Debug, Args)]

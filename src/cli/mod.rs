@@ -21,6 +21,7 @@ mod golden;
 mod grow;
 mod inspect;
 mod merge;
+mod paint;
 mod parallax;
 mod prepare;
 // WebAssembly has no terminal to draw a bar on.
@@ -71,6 +72,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
     let shared = &arguments.shared;
     let done = match &arguments.command {
         Command::CheckTrace(options) => return check_trace::check_trace(options, shared, terminal),
+        Command::Paint(options) => return paint::paint(options, shared, terminal),
         Command::StandIns(options) => return stand_ins::stand_ins(options, shared, terminal),
         Command::Branches(options) => return branches::branches(options, shared, terminal),
         Command::Selftest => return selftest::selftest(shared, terminal),

@@ -26,6 +26,7 @@ mod growing;
 mod html;
 mod image;
 mod number;
+mod paint;
 mod parallax;
 mod plot;
 mod quality;
@@ -59,6 +60,11 @@ pub use folder::{MARKER, OutputFolder};
 pub use html::{Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
 pub use number::{decimal, grouped, hundredths};
+pub use paint::{
+    PUBLISHED_PAINTING, PaintHeader, PaintReport, PublishedLevel, paint_cost_table,
+    paint_count_table, paint_notes, paint_shimmer_table, paint_storage_table, paint_text,
+    paint_time_table, write_painting,
+};
 pub use parallax::{PARALLAX_SCHEMA, parallax_json, parallax_table, parallax_text, write_parallax};
 pub use plot::{Plot, Series};
 pub use quality::{

@@ -17,6 +17,7 @@ mod frame;
 mod looks;
 mod mass;
 mod options;
+mod paint;
 mod parallax;
 mod plants;
 mod popping;
@@ -46,6 +47,10 @@ pub use frame::Frame;
 pub use looks::{Appearance, Look, LookOptions, Subject, looked_at, looks};
 pub use mass::{Mass, mass};
 pub use options::SessionOptions;
+pub use paint::{
+    PaintCost, PaintLevel, PaintPart, PaintPicture, PaintStorage, PaintStudy, Shimmer,
+    ShimmerSubject, shimmer,
+};
 pub use parallax::{
     FlowPicture, FlowPixel, Parallax, ParallaxDistance, ParallaxMeasure, ParallaxOptions,
     ParallaxScale, ParallaxSubject, PixelSpread, parallax,
