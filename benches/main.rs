@@ -7,6 +7,7 @@ mod models;
 mod plant;
 mod raster;
 mod simplify;
+mod strokes;
 mod yew;
 
 use std::time::Duration;
@@ -24,5 +25,6 @@ fn main() {
     simplify::bench(&mut criterion);
     raster::bench(&mut criterion);
     models::bench(&mut criterion);
+    strokes::bench(&mut criterion);
     criterion.final_summary();
 }

@@ -47,6 +47,10 @@ goldens! {
         juniperus_oxycedrus olea_europaea pistacia_lentiscus quaking_aspen quercus_cerris
         quercus_suber sorbus_aucuparia spartium_junceum taxus_baccata weeping_willow
     }
+    strokes {
+        apple_oil apple_watercolour spruce_watercolour ternary_far ternary_host ternary_oil
+        ternary_watercolour
+    }
     trunk { lodstrips lodstrips_cut mom }
     vdf { host indices }
     view { grove inside orthographic }
