@@ -10,10 +10,11 @@
 use super::{SessionOptions, World};
 use crate::limits;
 use crate::math::{Mat4, Vec2, Vec3, index_u32};
-use crate::models::{Crown, Kind, Placement, State, TreeState, Trunk, TrunkLevel};
+use crate::models::{Crown, ErrorStep, Kind, Placement, State, TreeState, Trunk, TrunkLevel};
 use crate::plant::gltf::{ExportError, InstancedMesh, MeshPlace, TextureRim, export_instances};
 use crate::plant::{Material, Mesh};
 use crate::scene::View;
+use crate::simplify::BranchMesh;
 
 /// A frame's triangles and camera as files.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -76,13 +77,20 @@ pub fn export_frame(
                 }));
             }
             Shown::Trunk(number, level) => {
-                let trunk = world.trunks[number].as_ref();
-                let mesh = trunk.map(|trunk| trunk_mesh(trunk, level));
-                meshes.extend(mesh.map(|mesh| InstancedMesh {
-                    name: format!("{} trunk", world.crowns[number].plant().name()),
+                let Some(trunk) = world.trunks[number].as_ref() else {
+                    continue;
+                };
+                let shown = level.and_then(|level| options.trunk.shown_step(trunk, level));
+                let parts = match shown {
+                    Some(step) => branch_meshes(trunk, step),
+                    None => vec![("trunk", trunk_mesh(trunk, level))],
+                };
+                let plant = world.crowns[number].plant().name();
+                meshes.extend(parts.into_iter().map(|(part, mesh)| InstancedMesh {
+                    name: format!("{plant} {part}"),
                     mesh,
                     rim: TextureRim::Repeat,
-                    places,
+                    places: places.clone(),
                 }));
             }
         }
@@ -260,6 +268,31 @@ fn trunk_mesh(trunk: &Trunk, level: Option<TrunkLevel>) -> Mesh {
     let number = |corner: &u32| index_u32(used.partition_point(|vertex| vertex < corner));
     small.indices = corners.iter().map(number).collect();
     small
+}
+
+/// The polygons of branches and of needles at an error; what are lines cannot be told as triangles.
+fn branch_meshes(trunk: &Trunk, step: ErrorStep) -> Vec<(&'static str, Mesh)> {
+    let level = trunk.branch_level(step);
+    let bark = &trunk.mesh().material;
+    let needles = trunk.needle_material().unwrap_or(bark);
+    let parts = [
+        ("branches", &level.branches, bark),
+        ("needles", &level.needles, needles),
+    ];
+    let mesh = |(name, branches, material): (_, &BranchMesh, _)| {
+        let mut mesh = blank(material);
+        mesh.indices = branches.drawn_triangles().flatten().collect();
+        for vertex in &branches.vertices {
+            mesh.positions.push(vertex.position);
+            mesh.normals.push(vertex.normal);
+            mesh.texture_coordinates.push(vertex.texture);
+        }
+        (name, mesh)
+    };
+    let meshes = parts.into_iter().map(mesh);
+    meshes
+        .filter(|(_, mesh)| !mesh.indices.is_empty())
+        .collect()
 }
 
 fn blank(material: &Material) -> Mesh {

@@ -1,12 +1,17 @@
 //! Branches on a device: the laws of models, and the same pictures in every mode.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use proptest::prelude::*;
+use spinney::document::Document;
 use spinney::math::{Stream, Vec3, index_u32};
 use spinney::models::{Trunk, TrunkKind, TrunkLevel};
 use spinney::plant::{Foliage, LeafGroup, Material, Plant, Prototype};
-use spinney::scene::{BranchAlpha, BranchChoice, BranchLines, BranchShares, TrunkMode, TrunkName};
+use spinney::run::{Session, SessionOptions, Silent, World};
+use spinney::scene::{
+    BranchAlpha, BranchChoice, BranchLines, BranchShares, SceneFile, TrunkMode, TrunkName,
+};
 use spinney::simplify::{ErrorStep, LineNormals};
 use spinney::testkit::laws::residency;
 use spinney::testkit::{DeviceModel as _, Law, Tally, Violation, check_end};
@@ -55,8 +60,8 @@ fn tree(seed: u64) -> Arc<Trunk> {
         |shift: u32, all: usize| usize::try_from(seed >> shift & 0xff).expect("a byte") % all;
     let choice = BranchChoice {
         shares: BranchShares::ALL[pick(0, 2)],
-        line_alpha: BranchAlpha::ALL[pick(1, 2)],
-        line_normals: BranchLines::ALL[pick(2, 3)],
+        line_alpha: BranchAlpha::ALL[pick(1, 3)],
+        line_normals: BranchLines::ALL[pick(3, 3)],
         most_edges: 3 + index_u32(pick(9, 14)),
         ..BranchChoice::USUAL
     };
@@ -195,4 +200,78 @@ fn three_lines_are_as_opaque_as_one() {
         let through = (1.0 - three) * (1.0 - three) * (1.0 - three);
         assert!((one - (1.0 - through)).abs() < 1e-6, "{radius}");
     }
+}
+
+/// Two bare hollies, one behind the other, on the ground, with shadows; the camera walks away.
+const HOLLIES: &str = r##"schema = "spinney.scene/1"
+size = [60, 48]
+frames = 3
+
+[[tree]]
+species = "species/ilex_aquifolium.toml"
+
+[[tree]]
+species = "species/ilex_aquifolium.toml"
+at = [0.3, 0.0, -1.5]
+turn = 70.0
+scale = 0.8
+
+[terrain]
+size = 20.0
+cells = 4
+
+[shadow]
+size = 64
+
+[camera]
+path = [
+    { frame = 0, eye = [0.5, 1.5, 4.0], target = [0.0, 1.0, 0.0] },
+    { frame = 2, eye = [1.0, 2.5, 14.0], target = [0.0, 1.0, 0.0] },
+]
+
+[model]
+name = "bare"
+trunk = "branches"
+
+[device]
+card = "gtx770"
+"##;
+
+#[test]
+fn forests_look_the_same_in_all_modes_and_send_what_they_say() {
+    let document = Document {
+        file: "hollies.toml".to_owned(),
+        text: HOLLIES.to_owned(),
+    };
+    let mut scene = SceneFile::parse(document).expect("a sound scene").scene;
+    assert_eq!(scene.model.trunk_mode, TrunkMode::Skeleton);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let world = World::build(&scene, &folder, &Silent).expect("a species of our own");
+    let mut shown = Vec::new();
+    for mode in [TrunkMode::Skeleton, TrunkMode::Mesh] {
+        scene.model.trunk_mode = mode;
+        let options = SessionOptions::exact(&scene).expect("known names");
+        let mut session = Session::new(&scene, &world, &options).expect("memory suffices");
+        let mut frames = Vec::new();
+        for number in [0, 1, 2, 0] {
+            let frame = session.frame(number).expect("its own device");
+            let sent = |cause: &str| {
+                let share = frame.ledger.by_cause.get(cause);
+                share.map_or(0, |share| share.payload_bytes)
+            };
+            let is_change = !frames.is_empty();
+            match mode {
+                TrunkMode::Skeleton => assert_eq!(sent("branch step"), 8 * u64::from(is_change)),
+                _ => assert_eq!(sent("branch mesh") > 0, is_change),
+            }
+            frames.push((frame.image_digest, frame.states, frame.trunk_triangles));
+        }
+        assert_eq!(frames[0], frames[3], "{mode:?}");
+        assert!(frames[0].2 > frames[1].2 && frames[1].2 > frames[2].2);
+        // The one behind is farther off.
+        let [near, far] = [0, 1].map(|tree: usize| frames[0].1[tree].trunk.step());
+        assert!(near < far, "{near:?} {far:?}");
+        shown.push(frames);
+    }
+    assert_eq!(shown[0], shown[1]);
 }

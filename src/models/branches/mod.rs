@@ -32,14 +32,29 @@ use std::sync::Arc;
 pub(super) use lines::LineProgram;
 pub(super) use skeleton_program::{Of, SkeletonProgram};
 
-use super::{Trunk, TrunkModel};
+use super::{Trunk, TrunkLevel, TrunkModel};
 use crate::scene::TrunkMode;
+use crate::simplify::ErrorStep;
 
 /// First part of the key of everything that shows wood as branches.
 pub const BRANCH_GROUP: u32 = 4;
 
 /// First part of the key of everything that shows a needle.
 pub const NEEDLE_GROUP: u32 = 5;
+
+/// The error that shows where a level is asked for: never less than the finest.
+pub(super) fn shown_step(trunk: &Trunk, mode: TrunkMode, level: TrunkLevel) -> ErrorStep {
+    let [finest, _] = trunk.branch_choice().steps();
+    let wanted = level.step().max(finest);
+    match mode {
+        TrunkMode::Levels => {
+            let mut steps = levels::discrete_steps(trunk);
+            steps.retain(|step| *step <= wanted);
+            steps.last().copied().unwrap_or(finest)
+        }
+        TrunkMode::Mesh | TrunkMode::Skeleton | TrunkMode::Device | TrunkMode::Host => wanted,
+    }
+}
 
 /// The model of a trunk whose plant has a skeleton.
 pub(super) fn model(trunk: Arc<Trunk>, mode: TrunkMode) -> Box<dyn TrunkModel> {

@@ -6,7 +6,6 @@ use crate::gpu::{BufferId, Cause, Corners, Device, Draw, GpuError, Step, Usage};
 use crate::models::surface::filled;
 use crate::models::trunk::Surface;
 use crate::models::{Environment, Trunk};
-use crate::plant::{Material, Prototype};
 
 /// Bark, the needles' material where there are any, and the species' parameters, on the device.
 #[derive(Debug, Clone)]
@@ -24,7 +23,7 @@ impl Surfaces {
         trunk: &Trunk,
     ) -> Result<Self, GpuError> {
         let bark = Surface::of(device, environment, &trunk.mesh().material)?;
-        let needles = needle_material(trunk);
+        let needles = trunk.needle_material();
         let needles = needles
             .map(|material| Surface::of(device, environment, material))
             .transpose()?;
@@ -86,11 +85,4 @@ impl Surfaces {
 pub(super) enum Part {
     Wood,
     Needles,
-}
-
-/// The material of the first group of needles: groups of one plant look alike.
-fn needle_material(trunk: &Trunk) -> Option<&Material> {
-    let mut groups = trunk.plant().foliage().groups.iter();
-    let needles = groups.find(|group| matches!(group.prototype, Prototype::Needle { .. }))?;
-    Some(&needles.material)
 }

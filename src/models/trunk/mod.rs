@@ -57,6 +57,7 @@ use super::{Environment, Gather, ModelOptions, Shared, Storage, branches};
 use crate::gpu::{Device, GpuError, Residency};
 use crate::math::{index_u32, index_usize};
 use crate::scene::{TrunkMode, TrunkName};
+use crate::simplify::ErrorStep;
 
 /// First part of the key of everything that shows a trunk.
 pub const TRUNK_GROUP: u32 = 0;
@@ -176,11 +177,19 @@ impl TrunkKind {
         }
     }
 
-    /// The triangles that it draws at a level; of branches those of all modes that can show it.
+    /// The error of the branches that it draws at a level; `None` where it draws a mesh, as it does without a
+    /// skeleton.
+    #[must_use]
+    pub fn shown_step(self, trunk: &Trunk, level: TrunkLevel) -> Option<ErrorStep> {
+        let draws_branches = self.has_errors() && trunk.plant().skeleton().is_some();
+        draws_branches.then(|| branches::shown_step(trunk, self.mode, level))
+    }
+
+    /// The triangles that it draws at a level; of branches without those of lines.
     #[must_use]
     pub fn triangle_count(self, trunk: &Trunk, level: TrunkLevel) -> u32 {
-        if self.has_errors() && trunk.plant().skeleton().is_some() {
-            let counts = trunk.branch_counts(level.step());
+        if let Some(step) = self.shown_step(trunk, level) {
+            let counts = trunk.branch_counts(step);
             index_u32(index_usize(2 * counts.quads + counts.triangles))
         } else if self.has_levels() && !self.has_errors() {
             trunk.triangle_count(level)

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::math::{index_u32, index_usize};
 use crate::models::TrunkLevel;
-use crate::plant::{Mesh, Plant};
+use crate::plant::{Material, Mesh, Plant, Prototype};
 use crate::scene::{BranchChoice, BranchRemoval};
 use crate::simplify::{
     BranchErrors, BranchLevel, BranchRelevance, BranchSequence, ErrorStep, PrimitiveCounts,
@@ -120,6 +120,14 @@ impl Trunk {
                 sequence.pruned(&relevance, low, &errors)
             }
         }
+    }
+
+    /// What needles look like: as those of the first group, since groups of one plant look alike.
+    #[must_use]
+    pub fn needle_material(&self) -> Option<&Material> {
+        let mut groups = self.plant.foliage().groups.iter();
+        let needles = groups.find(|group| matches!(group.prototype, Prototype::Needle { .. }))?;
+        Some(&needles.material)
     }
 
     /// What that level is made of.
