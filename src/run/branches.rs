@@ -138,6 +138,14 @@ pub fn branch_looks<E: From<RunError>>(
     for (way, removal) in ways {
         let choice = choice(scene, &study.errors, removal);
         let world = world.branched(&choice);
+        let Some(trunk) = world.trunks.first().and_then(Option::as_ref) else {
+            return Ok(());
+        };
+        // A single branch cannot be pruned.
+        let branches = trunk.branches().skeleton().branches.len();
+        if way == StudyWay::Pruning && branches < 2 {
+            break;
+        }
         let kind = TrunkKind {
             name: TrunkName::Branches,
             mode: TrunkMode::Mesh,
@@ -160,9 +168,6 @@ pub fn branch_looks<E: From<RunError>>(
                 asked,
                 step: choice.step(asked),
                 way,
-            };
-            let Some(trunk) = world.trunks.first().and_then(Option::as_ref) else {
-                return Ok(());
             };
             let made = trunk.branch_level(level.step);
             let all = frame.image;
