@@ -28,6 +28,7 @@ macro_rules! goldens {
 }
 
 goldens! {
+    branches { far holly_levels holly_mesh holly_skeleton pine shadow }
     cards {
         billboard billboard_depth billboard_facing crossed impostors impostors_blended
         impostors_coverage impostors_indirect impostors_relief impostors_trimmed octahedral
