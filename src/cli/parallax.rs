@@ -118,9 +118,12 @@ impl Asked {
     fn named(label: &str) -> Result<Self, CliError> {
         let (name, level) = label.split_once('@').unwrap_or((label, "0"));
         let found = level.parse().ok().filter(|level| *level <= 100_u32);
-        let found = Kind::labelled(name).zip(found);
+        // Paint has no one surface whose flow could be told.
+        let kind = Kind::labelled(name).filter(|kind| !kind.paints());
+        let found = kind.zip(found);
         let (kind, level) = found.ok_or_else(|| {
-            let known: Vec<String> = Kind::ALL.into_iter().map(Kind::label).collect();
+            let known = Kind::ALL.into_iter().filter(|kind| !kind.paints());
+            let known: Vec<String> = known.map(Kind::label).collect();
             CliError::Usage(format!(
                 "--models: {label:?} is unknown; known are {}, each with levels also with one of them from \
                  0, full detail, to 100, such as lodf-stamps@90",

@@ -112,7 +112,8 @@ pub(super) fn stand_ins(
 /// The kinds that are asked for by name.
 fn kinds(labels: &[String]) -> Result<Vec<Kind>, CliError> {
     let kind = |label: &String| {
-        let is_stand_in = |kind: &Kind| !kind.shows_leaves() || *kind == Kind::LodfHost;
+        let is_card = |kind: &Kind| !kind.shows_leaves() && !kind.paints();
+        let is_stand_in = |kind: &Kind| is_card(kind) || *kind == Kind::LodfHost;
         Kind::labelled(label).filter(is_stand_in).ok_or_else(|| {
             let known = Kind::ALL.into_iter().filter(is_stand_in);
             let known: Vec<String> = known.map(Kind::label).collect();

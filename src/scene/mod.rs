@@ -21,8 +21,11 @@ mod branches;
 mod camera;
 mod cards;
 mod forest;
+#[cfg(test)]
+mod key_tests;
 mod keys;
 mod model;
+mod paint_keys;
 mod painting;
 mod parse;
 mod reader;

@@ -10,6 +10,7 @@ use crate::limits;
 use crate::math::Digest;
 
 use super::Shadow;
+use super::paint_keys;
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
@@ -17,9 +18,8 @@ use super::{
     Camera, CameraKey, CardCounts, CardDepth, CardOptions, CardOutline, CardSides, CriterionName,
     DetailKind, DetailRange, DeviceChoice, Extraction, Forest, ForestChoice, ForestSpecies, Gather,
     Golden, Layout, LeafAmount, Light, Mode, ModelChoice, ModelName, NeedleMerging, NoRoom,
-    Occlusion, PaintLook, PaintMark, PaintOptions, PaintReach, PaintRows, PlantSource, Projection,
-    RecordWidth, SampleCount, Scene, SceneError, Simplifier, SpriteScale, Terrain, Transparency,
-    Tree, TrunkMode, TrunkName, VertexFormat,
+    Occlusion, PlantSource, Projection, RecordWidth, SampleCount, Scene, SceneError, Simplifier,
+    SpriteScale, Terrain, Transparency, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -167,7 +167,7 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         shadow,
         cards: cards(&below("cards")?, model.mode)?,
         branches: branches(&below("branches")?, &model)?,
-        painting: painting(&below("painting")?, seed)?,
+        painting: paint_keys::read(&below("painting")?, seed)?,
         model,
         device: device(&below("device")?)?,
         golden: match root.table("golden")? {
@@ -512,48 +512,6 @@ fn branches(table: &Reader<'_>, model: &ModelChoice) -> Result<BranchChoice, Sce
     })
 }
 
-fn painting(table: &Reader<'_>, scene_seed: u64) -> Result<PaintOptions, SceneError> {
-    /// The table of keys holds the same names as the type.
-    const NAMED: &str = "the table of keys allows these names only";
-    let list = |key| -> Result<Option<Vec<u32>>, SceneError> {
-        let given: Option<Vec<u64>> = table.get(key)?;
-        Ok(given.map(|given| given.into_iter().map(small).collect()))
-    };
-    let angles: Vec<u32> = list("angles")?.expect("there is a default");
-    let (distances, strokes) = (list("distances")?, list("strokes")?);
-    let reach = match (&distances, &strokes) {
-        (Some(_), Some(_)) => {
-            let wanted = "nothing, since `distances` are given";
-            return Err(table.refuse("strokes", wanted));
-        }
-        (Some(distances), None) => PaintReach::Distances(distances),
-        (None, Some(strokes)) => PaintReach::Strokes(strokes),
-        (None, None) => PaintRows::USUAL_REACH,
-    };
-    let (PaintReach::Distances(rows) | PaintReach::Strokes(rows)) = reach;
-    let Some(rows_of) = PaintRows::new(reach, &angles) else {
-        let wanted = format!("an angle for each of {} rows after the first", rows.len());
-        return Err(table.refuse("angles", &wanted));
-    };
-    Ok(PaintOptions {
-        look: PaintLook::from_name(&table.have::<String>("look")?).expect(NAMED),
-        rows: rows_of,
-        hulls: small(table.have("hulls")?),
-        core_percent: small(table.have("core_percent")?),
-        at_once: small(table.have("at_once")?),
-        inward: table.have("inward")?,
-        branch_least: small(table.have("branch_least")?),
-        branch_step: small(table.have("branch_step")?),
-        full_distance: table.have("full_distance")?,
-        least_pixels: table.have("least_pixels")?,
-        leaf_scale: table.have("leaf_scale")?,
-        branch_scale: table.have("branch_scale")?,
-        grain: table.have("grain")?,
-        seed: table.get("seed")?.unwrap_or(scene_seed),
-        mark: PaintMark::from_name(&table.have::<String>("mark")?).expect(NAMED),
-    })
-}
-
 fn device(table: &Reader<'_>) -> Result<DeviceChoice, SceneError> {
     Ok(DeviceChoice {
         memory: table.have("memory")?,
@@ -586,6 +544,6 @@ fn golden(table: &Reader<'_>, frames: u32) -> Result<Golden, SceneError> {
 }
 
 /// An integer whose key has a bound far below 2³².
-fn small(value: u64) -> u32 {
+pub(super) fn small(value: u64) -> u32 {
     u32::try_from(value).expect("the table of keys bounds it below 2^32")
 }

@@ -2,11 +2,12 @@
 
 use crate::math::{Digest, Digester, Vec3};
 
+use super::paint_keys;
 use super::value::BYTE_UNITS;
 use super::{
     BranchChoice, Camera, CardOptions, CriterionName, Forest, ForestChoice, Golden, LeafAmount,
-    ModelChoice, Occlusion, PaintOptions, PaintReach, PlantSource, Projection, RecordWidth, SCHEMA,
-    Scene, Simplifier, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
+    ModelChoice, Occlusion, PlantSource, Projection, RecordWidth, SCHEMA, Scene, Simplifier,
+    Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// The scene as a file in which nothing is left to a default: `scene.resolved.toml`.
@@ -51,7 +52,7 @@ pub fn to_toml(scene: &Scene) -> String {
     write_model(&mut text, &scene.model);
     write_cards(&mut text, &scene.cards);
     write_branches(&mut text, &scene.branches);
-    write_painting(&mut text, &scene.painting);
+    paint_keys::write(&mut text, &scene.painting);
     text.heading("[device]");
     text.key("memory", &byte_size(scene.device.memory));
     text.key("link", &quoted(&scene.device.link));
@@ -119,12 +120,8 @@ impl Scene {
         if self.branches != BranchChoice::USUAL {
             digest_branches(&mut digester, &self.branches);
         }
-        let painting = PaintOptions {
-            seed: self.seed,
-            ..PaintOptions::USUAL
-        };
-        if self.painting != painting {
-            digest_painting(digester.text("painting"), &self.painting);
+        if let Some(usual) = paint_keys::unlike_usual(&self.painting, self.seed) {
+            paint_keys::digest(digester.text("painting"), usual);
         }
         if let Some(shadow) = &self.shadow {
             digester
@@ -139,16 +136,16 @@ impl Scene {
 }
 
 /// TOML as it grows.
-struct Text(String);
+pub(super) struct Text(String);
 
 impl Text {
-    fn heading(&mut self, heading: &str) {
+    pub(super) fn heading(&mut self, heading: &str) {
         self.0 += "\n";
         self.0 += heading;
         self.0 += "\n";
     }
 
-    fn key(&mut self, key: &str, value: &str) {
+    pub(super) fn key(&mut self, key: &str, value: &str) {
         self.0 += &format!("{key} = {value}\n");
     }
 }
@@ -314,33 +311,6 @@ fn write_branches(text: &mut Text, branches: &BranchChoice) {
     text.key("removal", &quoted(branches.removal.name()));
 }
 
-fn write_painting(text: &mut Text, painting: &PaintOptions) {
-    let list = |numbers: &[u32]| {
-        let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
-        format!("[{}]", numbers.join(", "))
-    };
-    text.heading("[painting]");
-    text.key("look", &quoted(painting.look.name()));
-    match painting.rows.reach() {
-        PaintReach::Distances(given) => text.key("distances", &list(given)),
-        PaintReach::Strokes(given) => text.key("strokes", &list(given)),
-    }
-    text.key("angles", &list(painting.rows.angles()));
-    text.key("hulls", &painting.hulls.to_string());
-    text.key("core_percent", &painting.core_percent.to_string());
-    text.key("at_once", &painting.at_once.to_string());
-    text.key("inward", &painting.inward.to_string());
-    text.key("branch_least", &painting.branch_least.to_string());
-    text.key("branch_step", &painting.branch_step.to_string());
-    text.key("full_distance", &painting.full_distance.to_string());
-    text.key("least_pixels", &painting.least_pixels.to_string());
-    text.key("leaf_scale", &painting.leaf_scale.to_string());
-    text.key("branch_scale", &painting.branch_scale.to_string());
-    text.key("grain", &painting.grain.to_string());
-    text.key("seed", &painting.seed.to_string());
-    text.key("mark", &quoted(painting.mark.name()));
-}
-
 fn write_golden(text: &mut Text, golden: &Golden) {
     text.heading("[golden]");
     text.key(
@@ -355,7 +325,7 @@ fn write_golden(text: &mut Text, golden: &Golden) {
     }
 }
 
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
@@ -556,34 +526,6 @@ fn digest_branches(digester: &mut Digester, branches: &BranchChoice) {
         .u32(branches.line_alpha as u32)
         .u32(branches.line_normals as u32)
         .u32(branches.removal as u32);
-}
-
-fn digest_painting(digester: &mut Digester, painting: &PaintOptions) {
-    let (kind, given) = match painting.rows.reach() {
-        PaintReach::Distances(given) => (0, given),
-        PaintReach::Strokes(given) => (1, given),
-    };
-    digester.u32(painting.look as u32).u32(kind);
-    for numbers in [given, painting.rows.angles()] {
-        digester.u64(numbers.len() as u64);
-        for &number in numbers {
-            digester.u32(number);
-        }
-    }
-    digester
-        .u32(painting.hulls)
-        .u32(painting.core_percent)
-        .u32(painting.at_once)
-        .f32(painting.inward)
-        .u32(painting.branch_least)
-        .u32(painting.branch_step)
-        .f32(painting.full_distance)
-        .f32(painting.least_pixels)
-        .f32(painting.leaf_scale)
-        .f32(painting.branch_scale)
-        .f32(painting.grain)
-        .u64(painting.seed)
-        .u32(painting.mark as u32);
 }
 
 fn digest_golden(digester: &mut Digester, golden: &Golden) {

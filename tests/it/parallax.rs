@@ -113,7 +113,8 @@ fn impostors_move_as_their_leaves_and_pictures_of_the_whole_do_not() {
     };
     let plant = Plant::new("leaves", None, None, foliage).expect("sound parts");
     let both = Arc::new(crown(plant, None));
-    let subjects = Kind::ALL.into_iter().filter(|kind| !kind.shows_leaves());
+    let is_card = |kind: &Kind| !kind.shows_leaves() && !kind.paints();
+    let subjects = Kind::ALL.into_iter().filter(is_card);
     let subjects: Vec<ParallaxSubject> = subjects
         .map(|kind| ParallaxSubject {
             model: ModelOptions {

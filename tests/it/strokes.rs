@@ -209,7 +209,7 @@ fn bytes_are_told_apart_by_cause() {
                 (change.upload.payload_bytes, look.upload.payload_bytes),
                 (0, 0)
             );
-            assert_eq!(drawn.fetch.payload_bytes, 60 * strokes + 16);
+            assert_eq!(drawn.fetch.payload_bytes, 60 * strokes);
             continue;
         }
         let ranges = of(&change, Cause::of("stroke-ranges"));
