@@ -49,6 +49,16 @@ pub enum Access {
         /// Bytes that a group owns: a multiple of 4, above 0.
         group_bytes: u32,
     },
+    /// The same of an even share of the buffer: as many bytes as it has, divided by the number of groups,
+    /// which must be a multiple of 4.
+    Share,
+}
+
+impl Access {
+    /// Whether groups write.
+    pub(super) fn writes(self) -> bool {
+        matches!(self, Self::Own { .. } | Self::Share)
+    }
 }
 
 impl ComputeLayout {
@@ -62,13 +72,13 @@ impl ComputeLayout {
         };
         let owned = |access: &Access| match *access {
             Access::Own { group_bytes } => Some(group_bytes),
-            Access::Read | Access::Recall | Access::Depth => None,
+            Access::Read | Access::Recall | Access::Depth | Access::Share => None,
         };
         if self.slots.len() > MAX_SLOTS {
             let wanted = format!("at most {MAX_SLOTS}");
             return Err(refused("number of slots", self.slots.len() as u64, &wanted));
         }
-        if !self.slots.iter().any(|access| owned(access).is_some()) {
+        if !self.slots.iter().any(|access| access.writes()) {
             return Err(refused("number of slots that it writes", 0, "at least 1"));
         }
         let mut sizes = self.slots.iter().filter_map(owned);

@@ -11,7 +11,7 @@ use super::ledger::ComputeCounts;
 use super::pass::{BIND_BYTES, ComputePass, ComputeStep, DISPATCH_BYTES};
 use super::program::{MAX_SLOTS, Words};
 use super::{BufferId, DepthMap, Device, GpuError, Ledger, TargetId, Usage};
-use crate::math::index_usize;
+use crate::math::{index_u32, index_usize};
 use crate::raster::Counters;
 
 /// Executes one pass, or refuses it whole.
@@ -142,10 +142,22 @@ fn plan_dispatch(
         bound.push(place);
     }
     for (access, &place) in layout.slots.iter().zip(&bound) {
-        let (Access::Own { group_bytes }, Bound::Buffer(id)) = (*access, place) else {
+        let (true, Bound::Buffer(id)) = (access.writes(), place) else {
             continue;
         };
         let slot = device.buffer(id)?;
+        let group_bytes = owned_bytes(*access, slot.bytes.len() as u64, groups);
+        if *access == Access::Share
+            && (group_bytes * u64::from(groups) != slot.bytes.len() as u64
+                || !group_bytes.is_multiple_of(4))
+        {
+            return Err(GpuError::Descriptor {
+                label: slot.label.clone(),
+                what: "size shared by groups",
+                found: slot.bytes.len() as u64,
+                wanted: format!("a multiple of 4 times {groups}"),
+            });
+        }
         if bound.iter().filter(|other| **other == place).count() > 1 {
             return Err(GpuError::Usage {
                 label: slot.label.clone(),
@@ -155,7 +167,7 @@ fn plan_dispatch(
         }
         // Every group must own something, so what a dispatch does is bounded by memory.
         if let Some(last) = groups.checked_sub(1) {
-            slot.range(u64::from(group_bytes) * u64::from(last), 4, "dispatch")?;
+            slot.range(group_bytes * u64::from(last), 4, "dispatch")?;
         }
     }
     Ok(Dispatch {
@@ -163,6 +175,15 @@ fn plan_dispatch(
         bound,
         groups,
     })
+}
+
+/// How many bytes of a buffer a group owns, where it does.
+fn owned_bytes(access: Access, size: u64, groups: u32) -> u64 {
+    match access {
+        Access::Own { group_bytes } => u64::from(group_bytes),
+        Access::Share => size / u64::from(groups.max(1)),
+        Access::Read | Access::Recall | Access::Depth => 0,
+    }
 }
 
 /// Runs the groups of a dispatch; returns how many bytes they read and wrote.
@@ -180,9 +201,10 @@ fn run(device: &mut Device, dispatch: &Dispatch) -> u64 {
     // What is written is taken out of the device, so that everything else can be read meanwhile.
     let mut written: Vec<(BufferId, u32, Vec<u8>)> = Vec::new();
     for (access, &place) in slots() {
-        if let (Access::Own { group_bytes }, Bound::Buffer(id)) = (*access, place) {
+        if let (true, Bound::Buffer(id)) = (access.writes(), place) {
             let bytes = device.bytes_mut(id).map(std::mem::take).unwrap_or_default();
-            written.push((id, group_bytes, bytes));
+            let group_bytes = owned_bytes(*access, bytes.len() as u64, dispatch.groups);
+            written.push((id, index_u32(index_usize(group_bytes)), bytes));
         }
     }
     let before: Vec<Vec<u8>> = match device.bus.recording() {
@@ -227,7 +249,7 @@ fn run_groups(
             (Access::Read | Access::Depth, Bound::Buffer(id)) => {
                 GroupSlot::All(Words::of(id, device.living(id), device.reads.as_ref()))
             }
-            (Access::Own { .. }, Bound::Buffer(_)) => {
+            (Access::Own { .. } | Access::Share, Bound::Buffer(_)) => {
                 let (buffer, size, chunks) = parts.next().expect("one for each slot that is owned");
                 GroupSlot::Own {
                     buffer: *buffer,

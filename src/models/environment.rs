@@ -229,6 +229,15 @@ impl Placement {
         [x, y, z, self.scale, i, j, k, r]
     }
 
+    /// As it lies on the device.
+    pub(super) fn to_bytes(self) -> [u8; 32] {
+        let mut bytes = [0; 32];
+        for (four, word) in bytes.chunks_exact_mut(4).zip(self.words()) {
+            four.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+
     pub(super) fn from_words([x, y, z, scale, i, j, k, r]: [f32; 8]) -> Self {
         let rotation = Quat::from_array([i, j, k, r]);
         Self {
@@ -389,6 +398,11 @@ impl Environment {
             reveal: device.create_compute_program(Arc::new(RevealPass))?,
         });
         Ok(())
+    }
+
+    /// What every program reads the view from.
+    pub(super) fn view_buffer(&self) -> BufferId {
+        self.view
     }
 
     pub(super) fn occluders(&self) -> Result<Occluders, GpuError> {

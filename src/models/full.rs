@@ -71,12 +71,16 @@ impl Shared for Uploaded<Full> {
         number: u32,
     ) -> Result<Box<dyn Resident>, GpuError> {
         let mut steps = Vec::new();
+        let leaves = self.model.crown.sequence().original_count();
+        if leaves == 0 {
+            return Ok(Box::new(FullResident { steps }));
+        }
         self.surface.bind(LeafSource::Indexed, &mut steps);
         steps.push(Step::Vertices(self.surface.vertices));
         steps.push(Step::Draw(Draw {
             source: Corners::Counted,
             first_corner: 0,
-            corner_count: 4 * self.model.crown.sequence().original_count(),
+            corner_count: 4 * leaves,
             instance: number,
             group: LEAF_GROUP,
         }));

@@ -54,6 +54,7 @@ mod faces;
 mod format;
 mod frame;
 mod full;
+mod grove;
 mod leaf;
 mod leaf_list;
 mod lodf;
@@ -80,6 +81,7 @@ pub use errors::LeafErrors;
 pub use faces::{FaceLeaf, FaceLeaves};
 pub use format::{LeafFormat, Records, Vertices};
 pub use frame::frame_commands;
+pub use grove::{Grove, GroveSample, GroveView, ResidentGrove};
 pub use lodf::{Extraction, Gather};
 pub use select::{
     Apportionment, Band, ByDistance, ByScreenError, BySilhouette, ClusterFacts, Criterion, Extent,

@@ -70,7 +70,7 @@ pub use stand_ins::{
 };
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
 pub use views::{Shot, VIEW_SIDE, Views, corner_directions, directions};
-pub use world::{StandingTree, World, crown};
+pub use world::{StandingGrove, StandingTree, World, crown};
 
 use crate::document::DocumentError;
 use crate::gpu::GpuError;

@@ -1,5 +1,6 @@
 //! What a scene shows, built offline: plants, their collapses, and where they stand.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,7 +9,7 @@ use super::cache::ModelCache;
 use super::crowns::CrownStore;
 use super::progress::Progress;
 use crate::limits;
-use crate::math::{Quat, det, index_u32};
+use crate::math::{Quat, Vec3, det, index_u32};
 use crate::models::{Crown, Placement, Trunk};
 use crate::plant::{Foliage, Mesh, Plant, Prototype};
 use crate::scene::{BranchChoice, CardOptions, ModelName, PlantSource, Scene, Simplifier, Tree};
@@ -30,10 +31,23 @@ pub struct World {
     pub trunks: Vec<Option<Arc<Trunk>>>,
     /// The trees in the order of the scene.
     pub trees: Vec<StandingTree>,
+    /// The forests of patches, whose wood is drawn at once where the scene says so.
+    pub groves: Vec<StandingGrove>,
     /// The ground, if the scene has one.
     pub ground: Option<Arc<Mesh>>,
     /// What importers had to say, a line each.
     pub remarks: Vec<String>,
+}
+
+/// A forest of patches in the world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StandingGrove {
+    /// Which of the trees are its, patch by patch.
+    pub trees: Range<usize>,
+    /// The trees of a patch: which of the plants each is, and where it stands in the patch.
+    pub samples: Vec<StandingTree>,
+    /// Where the patches stand.
+    pub places: Vec<Placement>,
 }
 
 /// A tree in the world.
@@ -58,9 +72,16 @@ impl World {
                 .collect(),
             crowns,
             trees,
+            groves: Vec::new(),
             ground: None,
             remarks: Vec::new(),
         }
+    }
+
+    /// Whether a tree stands in a forest of patches that is drawn at once.
+    #[must_use]
+    pub fn is_in_grove(&self, tree: usize) -> bool {
+        self.groves.iter().any(|grove| grove.trees.contains(&tree))
     }
 
     /// One of the plants alone, where its first tree stands.
@@ -75,6 +96,7 @@ impl World {
                 crown: 0,
                 placement: placement.unwrap_or(Placement::IDENTITY),
             }],
+            groves: Vec::new(),
             ground: None,
             remarks: Vec::new(),
         }
@@ -158,6 +180,9 @@ impl World {
                 crown,
                 placement: placement(tree),
             });
+        }
+        if scene.grove.is_some() {
+            world.groves = groves(scene, &world.trees);
         }
         Ok(match scene.model.name {
             ModelName::Flattened => world.flattened(&scene.cards),
@@ -380,13 +405,55 @@ fn untouched(leaves: u32) -> CollapseSequence {
         .expect("a record a leaf is all that a sequence without collapses needs")
 }
 
+/// The forests of a scene that stand in patches.
+fn groves(scene: &Scene, trees: &[StandingTree]) -> Vec<StandingGrove> {
+    let mut first = scene.trees.len();
+    let mut groves = Vec::new();
+    for forest in &scene.forests {
+        let of_forest = first..first + forest.tree_count();
+        first = of_forest.end;
+        let Some(patches) = forest.patches() else {
+            continue;
+        };
+        let height = |[x, z]: [f32; 2]| {
+            let ground = scene.terrain.as_ref();
+            ground.map_or(0.0, |ground| ground.height(x, z))
+        };
+        let places = patches.places.iter().map(|&([x, z], turn)| Placement {
+            position: Vec3::new(x, height([x, z]), z),
+            rotation: turned(turn),
+            scale: 1.0,
+        });
+        let samples = patches.samples.iter().zip(&trees[of_forest.clone()]);
+        let samples = samples.map(|(sample, tree)| StandingTree {
+            crown: tree.crown,
+            placement: Placement {
+                position: Vec3::new(sample.offset[0], 0.0, sample.offset[1]),
+                rotation: turned(sample.turn),
+                scale: sample.scale,
+            },
+        });
+        groves.push(StandingGrove {
+            samples: samples.collect(),
+            places: places.collect(),
+            trees: of_forest,
+        });
+    }
+    groves
+}
+
 fn placement(tree: &Tree) -> Placement {
-    let half = f64::from(tree.turn) * (std::f64::consts::PI / 360.0);
-    #[expect(clippy::cast_possible_truncation, reason = "rounded once, at the end")]
-    let (sine, cosine) = (det::sin_f64(half) as f32, det::cos_f64(half) as f32);
     Placement {
         position: tree.at,
-        rotation: Quat::from_xyzw(0.0, sine, 0.0, cosine),
+        rotation: turned(tree.turn),
         scale: tree.scale,
     }
+}
+
+/// So many degrees about +Y.
+fn turned(degrees: f32) -> Quat {
+    let half = f64::from(degrees) * (std::f64::consts::PI / 360.0);
+    #[expect(clippy::cast_possible_truncation, reason = "rounded once, at the end")]
+    let (sine, cosine) = (det::sin_f64(half) as f32, det::cos_f64(half) as f32);
+    Quat::from_xyzw(0.0, sine, 0.0, cosine)
 }

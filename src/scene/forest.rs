@@ -50,11 +50,14 @@ pub enum Layout {
     Scattered,
     /// At the corners of squares, row by row from the area's first corner, the species in turn.
     Grid,
+    /// In patches of one tree of each species, all alike but for a quarter turn or three: squares of a
+    /// `spacing` for each tree, row by row from the area's first corner. A patch is level.
+    Patches,
 }
 
 impl Layout {
     /// The names in scene files.
-    pub const NAMES: &[&str] = &["scattered", "grid"];
+    pub const NAMES: &[&str] = &["scattered", "grid", "patches"];
 
     /// The layout of a name.
     #[must_use]
@@ -62,6 +65,7 @@ impl Layout {
         match name {
             "scattered" => Some(Self::Scattered),
             "grid" => Some(Self::Grid),
+            "patches" => Some(Self::Patches),
             _ => None,
         }
     }
@@ -72,6 +76,7 @@ impl Layout {
         match self {
             Self::Scattered => "scattered",
             Self::Grid => "grid",
+            Self::Patches => "patches",
         }
     }
 }
@@ -137,6 +142,27 @@ pub struct NoRoom {
 pub struct Forest {
     asked: ForestChoice,
     stands: Vec<Stand>,
+    patches: Option<Patches>,
+}
+
+/// What a forest of patches is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patches {
+    /// The trees of a patch: their species, in order.
+    pub samples: Vec<PatchSample>,
+    /// Where the patches stand: the middle of each on the ground (x, z), and its turn in degrees.
+    pub places: Vec<([f32; 2], f32)>,
+}
+
+/// A tree of a patch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PatchSample {
+    /// From the patch's middle (x, z), metres.
+    pub offset: [f32; 2],
+    /// In degrees about +Y.
+    pub turn: f32,
+    /// The factor on its size.
+    pub scale: f32,
 }
 
 /// Where and how one tree stands.
@@ -144,6 +170,8 @@ pub struct Forest {
 struct Stand {
     species: usize,
     place: [f32; 2],
+    /// The middle of its patch, which has the height of the ground there.
+    middle: Option<[f32; 2]>,
     turn: f32,
     scale: f32,
 }
@@ -164,6 +192,7 @@ impl Forest {
         let places = match asked.layout {
             Layout::Scattered => scattered(&asked),
             Layout::Grid => grid(&asked),
+            Layout::Patches => return Self::of_patches(asked),
         };
         let wanted = asked.species.len() * asked.count as usize;
         if places.len() < wanted {
@@ -178,15 +207,60 @@ impl Forest {
             Stand {
                 species: match asked.layout {
                     Layout::Scattered => order / asked.count as usize,
-                    Layout::Grid => order % asked.species.len(),
+                    Layout::Grid | Layout::Patches => order % asked.species.len(),
                 },
                 place,
+                middle: None,
                 turn: 360.0 * looks.unit(0),
                 scale: (least + (greatest - least) * looks.unit(1)).clamp(least, greatest),
             }
         };
         let stands = (0..).zip(places).map(stand).collect();
-        Ok(Self { asked, stands })
+        Ok(Self {
+            asked,
+            stands,
+            patches: None,
+        })
+    }
+
+    fn of_patches(asked: ForestChoice) -> Result<Self, NoRoom> {
+        let patches = Patches::of(&asked);
+        let wanted = asked.species.len() * asked.count as usize;
+        let fit = patches.places.len() * asked.species.len();
+        if fit < wanted {
+            return Err(NoRoom { fit, wanted });
+        }
+        let stand = |&([x, z], turn): &([f32; 2], f32)| {
+            let samples = (0..).zip(&patches.samples);
+            let stands = samples.map(move |(species, sample)| {
+                let [dx, dz] = turned(sample.offset, turn);
+                Stand {
+                    species,
+                    place: [x + dx, z + dz],
+                    middle: Some([x, z]),
+                    turn: (turn + sample.turn) % 360.0,
+                    scale: sample.scale,
+                }
+            });
+            stands.collect::<Vec<_>>()
+        };
+        Ok(Self {
+            stands: patches.places.iter().flat_map(stand).collect(),
+            asked,
+            patches: Some(patches),
+        })
+    }
+
+    /// What it is made of, where it stands in patches; its trees follow patch by patch.
+    #[must_use]
+    pub fn patches(&self) -> Option<&Patches> {
+        self.patches.as_ref()
+    }
+
+    /// Whether it stands in patches.
+    #[must_use]
+    pub fn is_of_patches(&self) -> bool {
+        self.patches.is_some()
     }
 
     /// What was asked for.
@@ -218,16 +292,78 @@ impl Forest {
     ) -> impl Iterator<Item = Tree> + use<'a> {
         self.stands.iter().map(move |stand| {
             let [x, z] = stand.place;
+            let [middle_x, middle_z] = stand.middle.unwrap_or(stand.place);
             let species = &self.asked.species[stand.species];
             Tree {
                 source: PlantSource::Species(species.path.clone()),
                 seed: self.asked.plant_seed,
-                at: Vec3::new(x, terrain.map_or(0.0, |ground| ground.height(x, z)), z),
+                at: Vec3::new(
+                    x,
+                    terrain.map_or(0.0, |ground| ground.height(middle_x, middle_z)),
+                    z,
+                ),
                 turn: stand.turn,
                 scale: stand.scale,
                 plant_digest: species.plant_digest,
             }
         })
+    }
+}
+
+impl Patches {
+    /// As many as are wanted or fit.
+    fn of(asked: &ForestChoice) -> Self {
+        let stream = Stream::new(asked.seed, STANDS);
+        let side = (1..).find(|side| side * side >= asked.species.len());
+        let side = side.unwrap_or(1);
+        let [least, greatest] = asked.scale;
+        let sample = |number: usize| {
+            let looks = stream.child(number as u64).child(1);
+            // Within the middle half of its square, so that neighbours keep half a spacing.
+            let along = |at: usize, draw: u64| {
+                let middle = at as f32 + 0.5 - 0.5 * side as f32;
+                asked.spacing * (middle + 0.5 * (looks.unit(draw) - 0.5))
+            };
+            PatchSample {
+                offset: [along(number % side, 2), along(number / side, 3)],
+                turn: 360.0 * looks.unit(0),
+                scale: (least + (greatest - least) * looks.unit(1)).clamp(least, greatest),
+            }
+        };
+        let square = f64::from(asked.spacing) * side as f64;
+        // A side of several squares, but for rounding, has room for all of them.
+        let [columns, rows] = asked
+            .area
+            .sides()
+            .map(|side| whole((f64::from(side) / square + 1e-6).floor()));
+        let [x0, z0] = asked.area.least;
+        let middle = |number: usize| {
+            #[expect(clippy::cast_possible_truncation, reason = "rounded once, at the end")]
+            let along = |from: f32, squares: usize| {
+                (f64::from(from) + (squares as f64 + 0.5) * square) as f32
+            };
+            [along(x0, number % columns), along(z0, number / columns)]
+        };
+        let fit = columns.saturating_mul(rows).min(asked.count as usize);
+        let middles = (0..fit).map(middle);
+        let place = |(number, middle): (u64, [f32; 2])| {
+            let quarters = stream.child(number).child(2).unit(0) * 4.0;
+            (middle, 90.0 * quarters.floor().min(3.0))
+        };
+        Self {
+            samples: (0..asked.species.len()).map(sample).collect(),
+            places: (0..).zip(middles).map(place).collect(),
+        }
+    }
+}
+
+/// A way on the ground turned by quarters about +Y.
+fn turned([x, z]: [f32; 2], degrees: f32) -> [f32; 2] {
+    match degrees {
+        90.0 => [z, -x],
+        180.0 => [-x, -z],
+        270.0 => [-z, x],
+        _ => [x, z],
     }
 }
 

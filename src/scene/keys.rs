@@ -4,9 +4,9 @@ use crate::limits;
 
 use super::{
     BranchAlpha, BranchFrames, BranchLines, BranchRemoval, BranchShares, CardDepth, CardOutline,
-    CardSides, CriterionName, DetailKind, Extraction, Gather, ImageSize, Layout, Mode, ModelName,
-    NeedleMerging, Occlusion, PaintLook, PaintMark, RecordWidth, Simplifier, SpriteScale,
-    Transparency, TrunkMode, TrunkName, VertexFormat,
+    CardSides, CriterionName, DetailKind, Extraction, Gather, GroveBlend, GroveOrder, GrovePacking,
+    ImageSize, Layout, Mode, ModelName, NeedleMerging, Occlusion, PaintLook, PaintMark,
+    RecordWidth, Simplifier, SpriteScale, Transparency, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// One key of a scene file.
@@ -264,11 +264,11 @@ pub const KEYS: &[Key] = &[
     key("forest[].seed", Kind::Integer { min: 0, max: u64::MAX }, "", Absent::Rule("the scene's"),
         "Where places, turns and scales come from."),
     key("forest[].layout", Kind::Choice(Layout::NAMES), "", Absent::Value("\"scattered\""),
-        "By chance, species after species; or in rows of squares, the species in turn."),
+        "By chance, species after species; in rows of squares, the species in turn; or in patches of a tree of each species."),
     key("forest[].area", Kind::Area { max: METRES }, "m, world", Absent::Required,
         "Where the trees stand, within the terrain if there is one."),
     key("forest[].spacing", Kind::Number { min: 0.01, max: METRES }, "m", Absent::Value("2"),
-        "The least distance between two trunks of the forest; the side of a grid's squares."),
+        "The least distance between two trunks of the forest; the side of a grid's squares. In patches half of it is kept."),
     key("forest[].scale", Kind::Range { min: 0.001, max: 1000.0 }, "", Absent::Value("[1, 1]"),
         "The least and the greatest factor on a tree's size."),
     key("forest[].plant_digests", Kind::Digests { most: limits::FOREST_SPECIES }, "", Absent::Rule("any plants will do"),
@@ -476,6 +476,19 @@ pub const KEYS: &[Key] = &[
         "What brushes and hues are drawn from."),
     key("painting.mark", Kind::Choice(PaintMark::NAMES), "", Absent::Value("\"none\""),
         "Strokes that stand for several leaves in red, as figures have them."),
+
+    key("grove", Kind::Table, "", Absent::Rule("forests of patches are drawn tree by tree"),
+        "Draws the wood and needles of forests whose `layout` is \"patches\" by instancing: all trees of a patch at once."),
+    key("grove.levels", Kind::Integer { min: 1, max: 8 }, "levels", Absent::Value("8"),
+        "How many levels a patch has, from `branches.finest` to `branches.coarsest`."),
+    key("grove.packing", Kind::Choice(GrovePacking::NAMES), "", Absent::Value("\"patches\""),
+        "A draw has all trees of a patch, or one of them."),
+    key("grove.levels_a_pass", Kind::Integer { min: 1, max: 8 }, "levels", Absent::Value("1"),
+        "Lines are drawn one level at a time, from far to near, or several at a time, from near to far."),
+    key("grove.order", Kind::Choice(GroveOrder::NAMES), "", Absent::Value("\"host\""),
+        "Patches of a level are sorted from far to near on the host, on the device, or not."),
+    key("grove.blend", Kind::Choice(GroveBlend::NAMES), "", Absent::Value("\"writes-depth\""),
+        "Lines write depth as in the paper, or only test it, or every fragment is sorted."),
 
     key("device", Kind::Table, "", Absent::Value("{}"),
         "The simulated device."),

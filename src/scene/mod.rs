@@ -21,6 +21,8 @@ mod branches;
 mod camera;
 mod cards;
 mod forest;
+mod grove;
+mod grove_keys;
 #[cfg(test)]
 mod key_tests;
 mod keys;
@@ -43,7 +45,8 @@ pub use camera::{Camera, CameraKey, Projection, View};
 pub use cards::{
     CardCounts, CardDepth, CardOptions, CardOutline, CardSides, SpriteScale, Transparency,
 };
-pub use forest::{Area, Forest, ForestChoice, ForestSpecies, Layout, NoRoom};
+pub use forest::{Area, Forest, ForestChoice, ForestSpecies, Layout, NoRoom, PatchSample, Patches};
+pub use grove::{GroveBlend, GroveChoice, GroveOrder, GrovePacking};
 pub use keys::{Absent, KEYS, Key, Kind, key_help};
 pub use model::{
     CriterionName, DetailKind, DetailRange, Extraction, Gather, LeafAmount, Mode, ModelChoice,
@@ -100,6 +103,8 @@ pub struct Scene {
     pub branches: BranchChoice,
     /// How trees are painted where the model draws strokes.
     pub painting: PaintOptions,
+    /// How forests of patches are drawn, if not tree by tree.
+    pub grove: Option<GroveChoice>,
     /// The simulated device.
     pub device: DeviceChoice,
     /// What is compared with a stored reference, if anything.

@@ -10,6 +10,7 @@ use crate::limits;
 use crate::math::Digest;
 
 use super::Shadow;
+use super::grove_keys;
 use super::paint_keys;
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
@@ -149,6 +150,7 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         Some(table) => Some(shadow(&table)?),
         None => None,
     };
+    let grove = grove_keys::read(root, &model, &forests)?;
     Ok(Scene {
         name: root.get("name")?.unwrap_or_else(|| name_of(file)),
         size: root.have("size")?,
@@ -168,6 +170,7 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         cards: cards(&below("cards")?, model.mode)?,
         branches: branches(&below("branches")?, &model)?,
         painting: paint_keys::read(&below("painting")?, seed)?,
+        grove,
         model,
         device: device(&below("device")?)?,
         golden: match root.table("golden")? {

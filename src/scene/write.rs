@@ -2,6 +2,7 @@
 
 use crate::math::{Digest, Digester, Vec3};
 
+use super::grove_keys;
 use super::paint_keys;
 use super::value::BYTE_UNITS;
 use super::{
@@ -53,6 +54,9 @@ pub fn to_toml(scene: &Scene) -> String {
     write_cards(&mut text, &scene.cards);
     write_branches(&mut text, &scene.branches);
     paint_keys::write(&mut text, &scene.painting);
+    if let Some(grove) = scene.grove {
+        grove_keys::write(&mut text, grove);
+    }
     text.heading("[device]");
     text.key("memory", &byte_size(scene.device.memory));
     text.key("link", &quoted(&scene.device.link));
@@ -74,7 +78,7 @@ impl Scene {
     /// so are the places that a forest found.
     ///
     /// What came later stands at the end, after a text that names it, and only where it differs from
-    /// its default: forests, terrain, cards, branches, painting, shadow, and `selection` before the model's criterion, amount (by kind
+    /// its default: forests, terrain, cards, branches, painting, shadow, grove, and `selection` before the model's criterion, amount (by kind
     /// as `u32`), hysteresis and budget of bytes, which are not where the model is.
     /// [`ModelChoice::records`] and [`ModelChoice::vertices`] do so within their table.
     #[must_use]
@@ -130,6 +134,9 @@ impl Scene {
                 .f32(shadow.bias)
                 .u32(u32::from(shadow.extent.is_some()))
                 .f32(shadow.extent.unwrap_or(0.0));
+        }
+        if let Some(grove) = self.grove {
+            grove_keys::digest(digester.text("grove"), grove);
         }
         digester.finish()
     }

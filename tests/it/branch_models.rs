@@ -79,8 +79,8 @@ fn shown(mode: TrunkMode, trunk: &Trunk, level: TrunkLevel) -> TrunkLevel {
     let step = level.step().max(finest);
     let step = match mode {
         TrunkMode::Levels => {
-            let levels = (0..8).map(|level| finest.towards(coarsest, level, 7));
-            levels.filter(|level| *level <= step).last()
+            let mut levels = (0..8).map(|level| finest.towards(coarsest, level, 7));
+            levels.rfind(|level| *level <= step)
         }
         _ => Some(step),
     };
@@ -116,7 +116,7 @@ fn walk(mode: TrunkMode, seed: u64, steps: &[u16], tally: &mut Tally) -> Result<
             "a resident says what it shows"
         );
         let counts = trunk.branch_counts(shown(mode, trunk, level).step());
-        assert_eq!(walked.resident.primitives(), Some(counts));
+        assert_eq!(walked.resident.primitives(), Some(counts), "{mode:?}");
         let mut fresh = stage(mode, trunk, level);
         tally.count(Law::Residency, residency(&mut walked, &mut fresh))?;
     }
@@ -184,7 +184,7 @@ fn modes_take_what_they_say() {
                     );
                     let counts = level.counts();
                     let indices = 24 * counts.quads + 12 * counts.triangles + 8 * counts.lines;
-                    assert!(sent >= indices && (sent - indices) % 4 == 0);
+                    assert!(sent >= indices && (sent - indices).is_multiple_of(4));
                 }
             }
         }

@@ -22,6 +22,7 @@ mod frame_export;
 mod gltf;
 mod golden;
 mod gpu;
+mod grove;
 mod hostile;
 mod house;
 mod laws;

@@ -353,7 +353,7 @@ fn wrong_shapes_are_refused() {
         (with("light = 3"), "2:9: `light`: found 3, wanted a table"),
         (
             with("colour = 3"),
-            "2:1: unknown key `colour`, wanted one of schema, name, size, samples, frames, seed, background, tree, forest, terrain, camera, light, shadow, model, cards, branches, painting, device, golden",
+            "2:1: unknown key `colour`, wanted one of schema, name, size, samples, frames, seed, background, tree, forest, terrain, camera, light, shadow, model, cards, branches, painting, grove, device, golden",
         ),
         (
             LEAST.replace("eye =", "eye.x ="),

@@ -7,7 +7,7 @@ use crate::math::{Mat4, Vec3, Vec4, det};
 ///
 /// It solves `x = y = w = 0` for the rows of the matrix, by Cramer's rule without the division.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Viewer {
+pub(in crate::models) struct Viewer {
     point: Vec3,
     weight: f32,
     /// Away from the viewer.
@@ -15,7 +15,7 @@ pub(super) struct Viewer {
 }
 
 impl Viewer {
-    pub(super) fn of(clip: &Mat4) -> Self {
+    pub(in crate::models) fn of(clip: &Mat4) -> Self {
         let row = |row: usize| clip.row(row);
         let [x, y, z, w] = [0, 1, 2, 3].map(row);
         let [nx, ny, nw] = [x, y, w].map(Vec4::truncate);
@@ -38,7 +38,12 @@ impl Viewer {
     ///
     /// With `m` the sine between axis and light, and `γ` the angle about the axis between the ways to the
     /// viewer and to the light: `½ ∫ cos φ · m max(0, cos(φ − γ)) dφ = m/4 ((π − γ) cos γ + sin γ)`.
-    pub(super) fn light_on_cylinder(self, point: Vec3, axis: Vec3, to_light: Vec3) -> f32 {
+    pub(in crate::models) fn light_on_cylinder(
+        self,
+        point: Vec3,
+        axis: Vec3,
+        to_light: Vec3,
+    ) -> f32 {
         let axis = axis.normalize_or_zero();
         let across = |way: Vec3| way - way.dot(axis) * axis;
         let seen = across(self.toward(point)).normalize_or_zero();

@@ -29,6 +29,7 @@ mod surfaces;
 
 use std::sync::Arc;
 
+pub(super) use light::Viewer;
 pub(super) use lines::LineProgram;
 pub(super) use skeleton_program::{Of, SkeletonProgram};
 

@@ -8,12 +8,14 @@
 //! [`Owner`].
 
 mod detail;
+mod groves;
 mod owner;
 
 use std::sync::Arc;
 
 pub use owner::Owner;
 
+use groves::{grove_view, groves};
 use owner::Owners;
 
 use super::RunError;
@@ -30,7 +32,8 @@ use crate::gpu::{
 use crate::math::{Vec3, Vec4, index_u32};
 use crate::models::{
     CARD_GROUP, Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Painting, Placement,
-    Resident, Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View, frame_commands,
+    Resident, ResidentGrove, Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View,
+    frame_commands,
 };
 use crate::raster::{Image, Samples, decode_srgb};
 use crate::scene::{ImageSize, SampleCount, Scene};
@@ -52,6 +55,7 @@ pub struct Session<'w> {
     environment: Environment,
     target: TargetId,
     ground: Option<Ground>,
+    groves: Vec<ResidentGrove>,
     /// The trunk of every tree that has one.
     trunks: Vec<Option<Box<dyn Resident<TrunkLevel>>>>,
     residents: Vec<Box<dyn Resident>>,
@@ -171,6 +175,10 @@ impl<'w> Session<'w> {
                 Some(Ground::upload(&mut device, &environment, mesh, trees)?)
             }
         };
+        let groves = match (scene.grove, options.trunk.has_errors()) {
+            (Some(choice), true) => groves(world, choice, &mut device, &environment)?,
+            _ => Vec::new(),
+        };
         let mut owners = Owners::default();
         owners.claim(&device, Owner::Scene);
         let mut trunks = Vec::new();
@@ -204,6 +212,7 @@ impl<'w> Session<'w> {
             environment,
             target,
             ground,
+            groves,
             trunks: Vec::new(),
             residents: Vec::new(),
             initial: Ledger::default(),
@@ -218,7 +227,8 @@ impl<'w> Session<'w> {
         for ((number, tree), state) in (0..).zip(&world.trees).zip(&states) {
             environment.place(&mut session.device.queue(), number, &tree.placement)?;
             let device = &mut session.device;
-            let trunk = trunks[tree.crown].as_ref();
+            let in_grove = !session.groves.is_empty() && world.is_in_grove(number as usize);
+            let trunk = trunks[tree.crown].as_ref().filter(|_| !in_grove);
             let trunk = trunk.map(|trunk| trunk.instance(device, &state.trunk, number));
             session.trunks.push(trunk.transpose()?);
             session.owners.claim(&session.device, Owner::Tree(number));
@@ -297,12 +307,18 @@ impl<'w> Session<'w> {
         let trees = self.world.trees.iter().zip(&self.trunks);
         for ((tree, shown), state) in trees.zip(&states) {
             leaf_triangles += self.world.crowns[tree.crown].shown_triangles(&state.foliage);
-            // Those that strokes stand for are not drawn.
+            // Those that strokes stand for are not drawn, those of groves are counted below.
             if let (Some(trunk), Some(shown)) = (&self.world.trunks[tree.crown], shown) {
                 trunk_triangles += match shown.primitives() {
                     Some(counts) => 2 * counts.quads + counts.triangles,
                     None => u64::from(self.trunk.triangle_count(trunk, state.trunk)),
                 };
+            }
+        }
+        for grove in &self.groves {
+            let seen = grove_view(&self.scene.camera.at(frame, self.size));
+            for (patches, counts) in grove.grove().shown(&seen) {
+                trunk_triangles += u64::from(patches) * (2 * counts.quads + counts.triangles);
             }
         }
         let commands = self.commands();
@@ -380,6 +396,9 @@ impl<'w> Session<'w> {
                 resident.draw(&mut steps);
             }
         }
+        for grove in &self.groves {
+            grove.draw(&mut steps);
+        }
         RenderPass {
             label: "frame".to_owned(),
             target: self.target,
@@ -396,6 +415,9 @@ impl<'w> Session<'w> {
         let mut steps = Vec::new();
         if !self.trunk.has_errors() && !self.kind.paints() {
             return steps;
+        }
+        for grove in &self.groves {
+            grove.draw_lines(&mut steps);
         }
         let trees = self.world.trees.iter().enumerate();
         let mut far: Vec<(f32, usize)> = trees
@@ -415,6 +437,12 @@ impl<'w> Session<'w> {
             }
         }
         steps
+    }
+
+    /// The forests of patches that are drawn at once.
+    #[must_use]
+    pub fn groves(&self) -> &[ResidentGrove] {
+        &self.groves
     }
 
     /// What is painted of a plant, where the model paints.
@@ -486,6 +514,9 @@ impl<'w> Session<'w> {
         if self.view != Some(view) {
             self.environment.set_view(&mut self.device.queue(), &view)?;
             self.view = Some(view);
+            for grove in &self.groves {
+                grove.look(&mut self.device, &grove_view(&seen))?;
+            }
         }
         let eye = seen.eye;
         self.eye = eye;
