@@ -136,7 +136,7 @@ fn single_values_out_of_range_are_refused() {
         ),
         (
             ending("[model]\nmode = \"magic\""),
-            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\", \"literal\", \"indices\", \"resident\", \"device\", \"direct\", \"indirect\", \"axial\", \"facing\", \"depth\", \"nearest\", \"fixed\", \"hemisphere\" or \"sphere\"",
+            "7:8: `model.mode`: found \"magic\", wanted \"host\", \"cluster\", \"slots\", \"stamps\", \"literal\", \"indices\", \"resident\", \"device\", \"direct\", \"indirect\", \"axial\", \"facing\", \"depth\", \"nearest\", \"fixed\", \"hemisphere\", \"sphere\" or \"ranges\"",
         ),
         (
             ending("[model]\nname = \"vdf\"\nmode = \"slots\""),
@@ -340,7 +340,7 @@ fn wrong_shapes_are_refused() {
         ),
         (
             ending("[model]\nname = [{ eye = [0, 1, 9], target = [0, 1, 0] }]"),
-            "7:8: `model.name`: found [{ eye = [0, 1, 9], target = [0, 1, 0] }], wanted \"lodf\", \"full\", \"vdf\", \"impostors\", \"billboard\", \"sprites\", \"crossed\", \"octahedral\", \"flattened\" or \"bare\"",
+            "7:8: `model.name`: found [{ eye = [0, 1, 9], target = [0, 1, 0] }], wanted \"lodf\", \"full\", \"vdf\", \"impostors\", \"billboard\", \"sprites\", \"crossed\", \"octahedral\", \"strokes\", \"flattened\" or \"bare\"",
         ),
         (
             with("camera = 3").replace("[camera]", "[light]"),
@@ -517,7 +517,7 @@ fn resolved_scene_leaves_nothing_to_defaults() {
         }
         let name = key.path.rsplit('.').next().expect("not empty");
         // Tables that need not be there.
-        let tables = ["golden", "forest", "terrain", "shadow"];
+        let tables = ["golden", "forest", "terrain", "shadow", "grove"];
         let optional = tables.iter().any(|table| key.path.starts_with(table));
         assert!(
             optional || resolved.contains(name),

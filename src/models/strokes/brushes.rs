@@ -64,7 +64,9 @@ pub(super) fn brush_set(look: PaintLook) -> Painted {
                 let at = (row * CELL[1] + y) * size[0] + column * CELL[0] + x;
                 let value = |plane: &Plane| plane.values[y * CELL[0] + x];
                 let [first, second, cover] = planes.each_ref().map(value);
-                texels[at] = [first, second, 0.0, cover];
+                // Whatever reaches the rim would show at the next dab's.
+                let inside = (1..CELL[0] - 1).contains(&x) && (1..CELL[1] - 1).contains(&y);
+                texels[at] = [first, second, 0.0, if inside { cover } else { 0.0 }];
             }
         }
     }

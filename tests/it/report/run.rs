@@ -172,7 +172,7 @@ fn ops_that_cannot_be_are_refused() {
         ),
         (
             r#"{"frame":0,"trees":[{"tree":0}]}"#,
-            "ops.jsonl:1: tree 0: wanted one of `uniform`, `variable`, `cards`",
+            "ops.jsonl:1: tree 0: wanted one of `uniform`, `variable`, `cards`, `strokes`",
         ),
     ] {
         let error = OpsReader::new(&world).read(line).unwrap_err().to_string();
