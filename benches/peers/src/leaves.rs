@@ -1,6 +1,6 @@
 //! The program that draws leaves and impostors: quads of one normal, lit as the peers light them.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, u32x8};
+use fearless_simd::{Simd, SimdBase, dispatch, f32x8, u32x8};
 use spinney::gpu::{
     Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, MipMap, Pixel, PixelLanes, Program,
     Topology, Transform, VertexCall, Words, Wrap,
