@@ -42,7 +42,7 @@ macro_rules! limits {
 }
 
 limits! {
-    /// A scene or species file: 10,000 trees and 10,000 keys of the camera's path take a third of it.
+    /// A scene or species file: 20,000 trees and 10,000 keys of the camera's path take half of it.
     TEXT_BYTES: u64 = 16_777_216, "bytes";
     /// Tables and lists within each other in TOML, as its parser has it, so that no stack overflows.
     TOML_NESTING: usize = 80, "levels";
@@ -88,7 +88,7 @@ limits! {
     /// Names of foliage that a tree of a scene lists.
     FOLIAGE_NAMES: usize = 10_000, "names";
     /// Trees of a scene; what they show together is limited by `STANDING_LEAVES`.
-    SCENE_TREES: usize = 10_000, "trees";
+    SCENE_TREES: usize = 20_000, "trees";
     /// Forests of a scene; their trees count among `SCENE_TREES`.
     SCENE_FORESTS: usize = 64, "forests";
     /// Species of a forest: each is a plant of its own.

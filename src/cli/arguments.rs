@@ -270,6 +270,8 @@ pub(super) enum BranchPart {
     Modes,
     /// How much each frame of the path differs from the one before
     Steps,
+    /// Every model along the path: detail, continuity, bytes, modelled time, shadows
+    Methods,
 }
 
 /// What `stand-ins` looks at.

@@ -8,7 +8,7 @@ use super::run::folder;
 use super::terminal::Terminal;
 use crate::raster::Counters;
 use crate::report::{BranchReport, OutputFolder, branch_text, write_branches};
-use crate::run::{BranchStudy, World, branch_looks, branch_modes, branch_steps, helix};
+use crate::run::{BranchStudy, World, branch_looks, branch_modes, branch_steps, helix, methods};
 use crate::scene::Scene;
 
 pub(super) fn branches(
@@ -53,6 +53,9 @@ pub(super) fn branches(
                 branch_looks(scene, &helix(world), &study, &progress, take)?;
             }
             BranchPart::Modes => report.modes = branch_modes(scene, world, &study, &progress)?,
+            BranchPart::Methods => {
+                report.methods = methods(scene, world, &study.session, &progress)?;
+            }
             BranchPart::Steps => report.steps = branch_steps(scene, world, &study, &progress)?,
         }
     }

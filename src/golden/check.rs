@@ -1,7 +1,9 @@
-//! Drawing scenes and comparing them, one after another.
+//! Drawing scenes and comparing them, told one after another.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+
+use rayon::prelude::{IntoParallelRefIterator as _, ParallelIterator as _};
 
 use super::compare::compare_frame;
 use super::digests::SceneDigests;
@@ -14,6 +16,9 @@ use super::reference::{FrameFiles, scene_of};
 use super::{Goldens, Selection};
 use crate::run::{CrownStore, Progress};
 use crate::scene::SceneError;
+
+/// Scenes whose frames are kept at once, until they are told in order.
+const AT_ONCE: usize = 16;
 
 /// A scene file, and what it says or why it says nothing.
 #[derive(Debug)]
@@ -73,12 +78,20 @@ impl Goldens {
         };
         let store = CrownStore::new();
         progress.begin("scenes", wanted.len() as u64);
-        for candidate in wanted {
-            let mut frames = Vec::new();
-            let compared = self.compare(candidate, &store, lines.as_ref(), &mut frames);
-            tell(&compared, frames);
-            outcome.scenes.push(compared.outcome);
-            progress.step();
+        for some in wanted.chunks(AT_ONCE) {
+            let compared: Vec<_> = some
+                .par_iter()
+                .map(|candidate| {
+                    let mut frames = Vec::new();
+                    let compared = self.compare(candidate, &store, lines.as_ref(), &mut frames);
+                    progress.step();
+                    (compared, frames)
+                })
+                .collect();
+            for (compared, frames) in compared {
+                tell(&compared, frames);
+                outcome.scenes.push(compared.outcome);
+            }
         }
         outcome.strays = self.strays(&candidates, lines.as_ref(), selection)?;
         Ok(outcome)

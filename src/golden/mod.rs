@@ -49,6 +49,8 @@ pub use reference::{MAX_FILE_BYTES, MAX_SIDE};
 
 use std::path::PathBuf;
 
+use rayon::prelude::{IntoParallelRefIterator as _, ParallelIterator as _};
+
 use crate::run::{CrownStore, Progress};
 
 /// A folder of scenes, and the folder of their references.
@@ -101,13 +103,14 @@ impl Goldens {
     pub fn digests(&self, progress: &dyn Progress) -> Result<Vec<SceneDigests>, GoldenError> {
         let files = find::scene_files(&self.scenes)?;
         let store = CrownStore::default();
-        let mut digests = Vec::new();
         progress.begin("scenes", files.len() as u64);
-        for file in &files {
-            let scene = file.read()?;
-            digests.push(draw::draw(&scene, &store, &mut |_| {})?);
+        let of_file = |file: &find::FoundScene| {
+            let digests = draw::draw(&file.read()?, &store, &mut |_| {});
             progress.step();
-        }
-        Ok(digests)
+            digests
+        };
+        // All of them, so that it is the first error that is told.
+        let digests: Vec<_> = files.par_iter().map(of_file).collect();
+        digests.into_iter().collect()
     }
 }

@@ -41,6 +41,9 @@
 //! **Invariant.** A model reaches the device only through [`Queue`], so its ledger is complete by
 //! construction; no model names `raster`.
 //!
+//! [Cards for trees far away](crate::scene::FarCards) stand beside any model of leaves whose detail the host
+//! selects: a tree then shows leaves, or [`State::Cards`], and only what shows is drawn.
+//!
 //! Trunks are models of the same form: [`TrunkModel`], with a [`TrunkLevel`] for a state.
 
 mod branches;
@@ -58,6 +61,7 @@ mod grove;
 mod leaf;
 mod leaf_list;
 mod lodf;
+mod near_far;
 mod pyramid_pass;
 mod reveal_pass;
 mod select;
@@ -529,7 +533,7 @@ impl Kind {
             Self::StrokesHost => Box::new(strokes::HostStrokes::new(crown, options)),
         };
         if self.shows_leaves() {
-            faces::with_faces(model)
+            near_far::with_far_cards(faces::with_faces(model), options)
         } else {
             model
         }

@@ -43,7 +43,7 @@ mod thumbnail;
 pub use axis::{Axis, Scale};
 pub use branches::{
     BranchReport, branch_level_table, branch_mode_table, branch_step_table, branch_text, edge_plot,
-    write_branches,
+    method_table, write_branches,
 };
 pub use bytes::{
     BYTES_SCHEMA, ByteReport, bytes_csv, bytes_json, bytes_markdown, bytes_page, bytes_plots,

@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use super::RunError;
+use super::methods::difference;
 use super::options::SessionOptions;
 use super::progress::Progress;
 use super::session::{Layers, Session};
@@ -344,15 +345,6 @@ pub fn branch_steps(
         progress.step();
     }
     Ok(found)
-}
-
-/// The mean difference of two pictures of one size, over pixels and channels.
-fn difference(one: &Image, other: &Image) -> f64 {
-    let bytes = one.rgba.iter().zip(&other.rgba);
-    let sum: u64 = bytes.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-    // Opacity is always full.
-    let channels = 3 * (one.rgba.len() as u64 / 4).max(1);
-    sum as f64 / channels as f64
 }
 
 /// A world of one winding branch of even thickness, in the bark of another's first plant: Figure 7 of

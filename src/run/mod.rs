@@ -16,6 +16,7 @@ mod export;
 mod frame;
 mod looks;
 mod mass;
+mod methods;
 mod options;
 mod paint;
 mod parallax;
@@ -46,6 +47,7 @@ pub use export::{FrameExport, camera_json, export_frame};
 pub use frame::Frame;
 pub use looks::{Appearance, Look, LookOptions, Subject, looked_at, looks};
 pub use mass::{Mass, mass};
+pub use methods::{Method, MethodFound, methods};
 pub use options::SessionOptions;
 pub use paint::{
     PaintCost, PaintLevel, PaintPart, PaintPicture, PaintStorage, PaintStudy, Shimmer,

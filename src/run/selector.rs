@@ -16,7 +16,7 @@ use crate::models::{
     Kind, Move, Painting, Resident, Sight, Spent, State, StrokeCut, gain, level, level_with,
     select, settle, spend, spread, within_pixels,
 };
-use crate::scene::{CriterionName, DetailKind, LeafAmount, ModelChoice, View};
+use crate::scene::{CriterionName, DetailKind, DetailRange, LeafAmount, ModelChoice, View};
 
 /// Chooses the states of a scene's trees.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +24,15 @@ pub(super) struct Selector {
     has_levels: bool,
     extent: Extent,
     model: ModelChoice,
+}
+
+/// How far from the first of two distances to the second the centre of a crown lies, in the world.
+fn share_of(crown: &Crown, tree: &StandingTree, view: &View, range: DetailRange) -> f64 {
+    let scale = tree.placement.scale;
+    let [nearest, farthest] = [range.d_min() / scale, range.d_max() / scale].map(f64::from);
+    let eye = tree.placement.to_plant(view.eye);
+    let distance = f64::from(eye.distance(crown.center()));
+    (distance - nearest) / (farthest - nearest)
 }
 
 /// States that changes of detail lead to within a budget of bytes.
@@ -57,8 +66,10 @@ impl Selector {
         let wanted = |demand| self.wanted(crown, tree, view, demand);
         let band = self.model.hysteresis;
         let present = match present {
-            Some(present) if band > 0.0 => present,
-            _ => return wanted(0.0),
+            // A tree that comes near from afar shows what it should.
+            Some(State::Cards(_)) | None => return wanted(0.0),
+            Some(_) if band <= 0.0 => return wanted(0.0),
+            Some(present) => present,
         };
         let band = match (self.model.amount, self.model.criterion, self.extent) {
             (Some(LeafAmount::PixelError(_)), _, _)
@@ -125,11 +136,33 @@ impl Selector {
         if let Some(fixed) = self.model.level {
             return CardLevel::at_share(f64::from(fixed), levels);
         }
-        let criterion = self.criterion(tree);
-        let eye = tree.placement.to_plant(view.eye);
-        let distance = f64::from(eye.distance(crown.center()));
-        let [nearest, farthest] = [criterion.nearest, criterion.farthest].map(f64::from);
-        let share = (distance - nearest) / (farthest - nearest);
+        self.card_level(
+            share_of(crown, tree, view, self.model.range),
+            present,
+            levels,
+        )
+    }
+
+    /// The same of a tree that cards stand for far away only; `None` where leaves show. Within the band of
+    /// hysteresis beyond which they show, what stands stays.
+    pub(super) fn far_cards(
+        &self,
+        crown: &Crown,
+        tree: &StandingTree,
+        view: &View,
+        present: Option<&State>,
+        (range, levels): (DetailRange, u32),
+    ) -> Option<CardLevel> {
+        let share = share_of(crown, tree, view, range);
+        let stands = match present {
+            Some(State::Cards(_)) => -f64::from(self.model.hysteresis),
+            Some(_) => f64::from(self.model.hysteresis),
+            None => 0.0,
+        };
+        (share > stands).then(|| self.card_level(share, present, levels))
+    }
+
+    fn card_level(&self, share: f64, present: Option<&State>, levels: u32) -> CardLevel {
         let band = f64::from(self.model.hysteresis);
         let [finer, wanted, coarser] =
             [-band, 0.0, band].map(|by| CardLevel::at_share(share + by, levels));
@@ -297,6 +330,10 @@ fn is_uniform(state: &State) -> bool {
     matches!(state, State::Uniform { .. })
 }
 
+fn is_whole(state: &State) -> bool {
+    matches!(state, State::Cards(_) | State::Strokes(_))
+}
+
 /// The moves that lead a tree to what is wanted: of its clusters, where each has a price of its own;
 /// along the sequence; else all or nothing, as from 0 to 1.
 fn moves_of(
@@ -325,7 +362,8 @@ fn moves_of(
         moves.push(whole(*from, *to, gain));
         return;
     }
-    if let State::Strokes(_) = wanted {
+    // What shows as a whole changes as a whole.
+    if is_whole(present) || is_whole(wanted) {
         moves.push(whole(0, 1, 1.0));
         return;
     }

@@ -1,5 +1,6 @@
 //! What stands in for leaves where a model draws cards, with all its options.
 
+use super::DetailRange;
 use super::model::choices;
 use crate::limits;
 
@@ -55,6 +56,26 @@ choices! {
     }
 }
 
+choices! {
+    /// What the textures of cards that stand for trees far away hold.
+    CardMode {
+        /// A picture each.
+        Direct = "direct",
+        /// A map of leaves each, and pictures of one leaf.
+        Indirect = "indirect",
+    }
+}
+
+/// Cards that stand for the leaves of trees far away, beside a model of leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FarCards {
+    /// What their textures hold.
+    pub mode: CardMode,
+    /// Trees whose crown's centre is farther away than the first show cards at the finest level, from the
+    /// second on at the coarsest.
+    pub range: DetailRange,
+}
+
 /// How cards are made and drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CardOptions {
@@ -85,6 +106,8 @@ pub struct CardOptions {
     pub sprite_texture: u32,
     /// How large leaves are in it.
     pub scale: SpriteScale,
+    /// From where on they stand for leaves, where the model draws leaves.
+    pub far: Option<FarCards>,
 }
 
 impl CardOptions {
@@ -103,6 +126,7 @@ impl CardOptions {
         sprites: 32,
         sprite_texture: 64,
         scale: SpriteScale::Global,
+        far: None,
     };
 }
 

@@ -3,10 +3,11 @@
 use crate::limits;
 
 use super::{
-    BranchAlpha, BranchFrames, BranchLines, BranchRemoval, BranchShares, CardDepth, CardOutline,
-    CardSides, CriterionName, DetailKind, Extraction, Gather, GroveBlend, GroveOrder, GrovePacking,
-    ImageSize, Layout, Mode, ModelName, NeedleMerging, Occlusion, PaintLook, PaintMark,
-    RecordWidth, Simplifier, SpriteScale, Transparency, TrunkMode, TrunkName, VertexFormat,
+    BranchAlpha, BranchFrames, BranchLines, BranchRemoval, BranchShares, CardDepth, CardMode,
+    CardOutline, CardSides, CriterionName, DetailKind, Extraction, Gather, GroveBlend, GroveOrder,
+    GrovePacking, ImageSize, Layout, Mode, ModelName, NeedleMerging, Occlusion, PaintLook,
+    PaintMark, RecordWidth, Simplifier, SpriteScale, Transparency, TrunkMode, TrunkName,
+    VertexFormat,
 };
 
 /// One key of a scene file.
@@ -412,6 +413,12 @@ pub const KEYS: &[Key] = &[
         "In mode indirect: their sides."),
     key("cards.scale", Kind::Choice(SpriteScale::NAMES), "", Absent::Value("\"global\""),
         "In mode indirect: leaves of one size, or each of its own."),
+    key("cards.from", Kind::Number { min: 0.0, max: METRES }, "m", Absent::Rule("leaves show at every distance"),
+        "Beside a model of leaves: trees whose crown's centre is farther away show impostors, at the finest level."),
+    key("cards.to", Kind::Number { min: 0.0, max: METRES }, "m", Absent::Rule("four times `from`"),
+        "Where impostors that stand beside leaves come to their coarsest level."),
+    key("cards.mode", Kind::Choice(CardMode::NAMES), "", Absent::Rule("\"direct\""),
+        "Of impostors that stand beside leaves: a texture each, or a map of leaves each and pictures of one leaf."),
 
     key("branches", Kind::Table, "", Absent::Value("{}"),
         "How wood and needles are drawn where `model.trunk` is \"branches\"."),

@@ -19,6 +19,7 @@
 
 mod branches;
 mod camera;
+mod card_keys;
 mod cards;
 mod forest;
 mod grove;
@@ -43,7 +44,8 @@ pub use branches::{
 };
 pub use camera::{Camera, CameraKey, Projection, View};
 pub use cards::{
-    CardCounts, CardDepth, CardOptions, CardOutline, CardSides, SpriteScale, Transparency,
+    CardCounts, CardDepth, CardMode, CardOptions, CardOutline, CardSides, FarCards, SpriteScale,
+    Transparency,
 };
 pub use forest::{Area, Forest, ForestChoice, ForestSpecies, Layout, NoRoom, PatchSample, Patches};
 pub use grove::{GroveBlend, GroveChoice, GroveOrder, GrovePacking};

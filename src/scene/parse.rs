@@ -10,17 +10,17 @@ use crate::limits;
 use crate::math::Digest;
 
 use super::Shadow;
+use super::card_keys;
 use super::grove_keys;
 use super::paint_keys;
 use super::reader::{Reader, parse_tables};
 use super::value::is_name;
 use super::{
     Area, BranchAlpha, BranchChoice, BranchFrames, BranchLines, BranchRemoval, BranchShares,
-    Camera, CameraKey, CardCounts, CardDepth, CardOptions, CardOutline, CardSides, CriterionName,
-    DetailKind, DetailRange, DeviceChoice, Extraction, Forest, ForestChoice, ForestSpecies, Gather,
-    Golden, Layout, LeafAmount, Light, Mode, ModelChoice, ModelName, NeedleMerging, NoRoom,
-    Occlusion, PlantSource, Projection, RecordWidth, SampleCount, Scene, SceneError, Simplifier,
-    SpriteScale, Terrain, Transparency, Tree, TrunkMode, TrunkName, VertexFormat,
+    Camera, CameraKey, CriterionName, DetailKind, DetailRange, DeviceChoice, Extraction, Forest,
+    ForestChoice, ForestSpecies, Gather, Golden, Layout, LeafAmount, Light, Mode, ModelChoice,
+    ModelName, NeedleMerging, NoRoom, Occlusion, PlantSource, Projection, RecordWidth, SampleCount,
+    Scene, SceneError, Simplifier, Terrain, Tree, TrunkMode, TrunkName, VertexFormat,
 };
 
 /// A scene with the file it came from.
@@ -167,7 +167,7 @@ fn scene(root: &Reader<'_>, file: &str) -> Result<Scene, SceneError> {
         camera: camera(&below("camera")?)?,
         light: light(&below("light")?)?,
         shadow,
-        cards: cards(&below("cards")?, model.mode)?,
+        cards: card_keys::read(&below("cards")?, &model)?,
         branches: branches(&below("branches")?, &model)?,
         painting: paint_keys::read(&below("painting")?, seed)?,
         grove,
@@ -434,55 +434,6 @@ fn model(table: &Reader<'_>) -> Result<ModelChoice, SceneError> {
         trunk_level: table.get("trunk_level")?,
         trunk_triangles: table.get("trunk_triangles")?.map(small),
     })
-}
-
-fn cards(table: &Reader<'_>, mode: Mode) -> Result<CardOptions, SceneError> {
-    /// The table of keys holds the same names as the type.
-    const NAMED: &str = "the table of keys allows these names only";
-    let name = |key| table.have::<String>(key);
-    let count = table.get("count")?.map(small);
-    let levels: Option<Vec<u64>> = table.get("levels")?;
-    let levels = match (levels, count) {
-        (None, count) => {
-            let most = count.unwrap_or(CardOptions::USUAL.levels.as_slice()[0]);
-            CardCounts::halved_from(most)
-        }
-        (Some(levels), count) => {
-            let levels: Vec<u32> = levels.into_iter().map(small).collect();
-            if let Some(count) = count.filter(|count| levels.first() != Some(count)) {
-                let wanted = format!("levels that begin with `count`, which is {count}");
-                return Err(table.refuse("levels", &wanted));
-            }
-            CardCounts::new(&levels)
-        }
-    };
-    let cards = CardOptions {
-        levels: levels.expect("the table of keys allows descending numbers only"),
-        texture: small(table.have("texture")?),
-        orientation_weight: table.have("orientation_weight")?,
-        plane_seeds: small(table.have("plane_seeds")?),
-        depth: CardDepth::from_name(&name("depth")?).expect(NAMED),
-        transparency: Transparency::from_name(&name("transparency")?).expect(NAMED),
-        outline: CardOutline::from_name(&name("outline")?).expect(NAMED),
-        sides: CardSides::from_name(&name("sides")?).expect(NAMED),
-        map: small(table.have("map")?),
-        layers: small(table.have("layers")?),
-        sprites: small(table.have("sprites")?),
-        sprite_texture: small(table.have("sprite_texture")?),
-        scale: SpriteScale::from_name(&name("scale")?).expect(NAMED),
-    };
-    let pictures = [
-        ("depth", cards.depth != CardDepth::Paper),
-        ("transparency", cards.transparency != Transparency::Test),
-        ("outline", cards.outline != CardOutline::Quad),
-    ];
-    for (key, chosen) in pictures {
-        if chosen && mode == Mode::Indirect {
-            let wanted = "its default, since `model.mode` is indirect";
-            return Err(table.refuse(key, wanted));
-        }
-    }
-    Ok(cards)
 }
 
 fn branches(table: &Reader<'_>, model: &ModelChoice) -> Result<BranchChoice, SceneError> {

@@ -2,6 +2,7 @@
 
 use crate::math::{Digest, Digester, Vec3};
 
+use super::card_keys;
 use super::grove_keys;
 use super::paint_keys;
 use super::value::BYTE_UNITS;
@@ -51,7 +52,7 @@ pub fn to_toml(scene: &Scene) -> String {
         }
     }
     write_model(&mut text, &scene.model);
-    write_cards(&mut text, &scene.cards);
+    card_keys::write(&mut text, &scene.cards);
     write_branches(&mut text, &scene.branches);
     paint_keys::write(&mut text, &scene.painting);
     if let Some(grove) = scene.grove {
@@ -119,7 +120,7 @@ impl Scene {
         digest_selection(&mut digester, &self.model);
         digest_trunk(&mut digester, &self.model);
         if self.cards != CardOptions::USUAL {
-            digest_cards(&mut digester, &self.cards);
+            card_keys::digest(digester.text("cards"), &self.cards);
         }
         if self.branches != BranchChoice::USUAL {
             digest_branches(&mut digester, &self.branches);
@@ -280,24 +281,6 @@ fn write_model(text: &mut Text, model: &ModelChoice) {
     if let Some(triangles) = model.trunk_triangles {
         text.key("trunk_triangles", &triangles.to_string());
     }
-}
-
-fn write_cards(text: &mut Text, cards: &CardOptions) {
-    text.heading("[cards]");
-    let levels: Vec<String> = cards.levels.as_slice().iter().map(u32::to_string).collect();
-    text.key("levels", &format!("[{}]", levels.join(", ")));
-    text.key("texture", &cards.texture.to_string());
-    text.key("orientation_weight", &cards.orientation_weight.to_string());
-    text.key("plane_seeds", &cards.plane_seeds.to_string());
-    text.key("depth", &quoted(cards.depth.name()));
-    text.key("transparency", &quoted(cards.transparency.name()));
-    text.key("outline", &quoted(cards.outline.name()));
-    text.key("sides", &quoted(cards.sides.name()));
-    text.key("map", &cards.map.to_string());
-    text.key("layers", &cards.layers.to_string());
-    text.key("sprites", &cards.sprites.to_string());
-    text.key("sprite_texture", &cards.sprite_texture.to_string());
-    text.key("scale", &quoted(cards.scale.name()));
 }
 
 fn write_branches(text: &mut Text, branches: &BranchChoice) {
@@ -493,27 +476,6 @@ fn digest_trunk(digester: &mut Digester, model: &ModelChoice) {
         None => _ = digester.u32(0),
         Some(triangles) => _ = digester.u32(1).u32(triangles),
     }
-}
-
-fn digest_cards(digester: &mut Digester, cards: &CardOptions) {
-    let levels = cards.levels.as_slice();
-    digester.text("cards").u64(levels.len() as u64);
-    for &count in levels {
-        digester.u32(count);
-    }
-    digester
-        .u32(cards.texture)
-        .f32(cards.orientation_weight)
-        .u32(cards.plane_seeds)
-        .u32(cards.depth as u32)
-        .u32(cards.transparency as u32)
-        .u32(cards.outline as u32)
-        .u32(cards.sides as u32)
-        .u32(cards.map)
-        .u32(cards.layers)
-        .u32(cards.sprites)
-        .u32(cards.sprite_texture)
-        .u32(cards.scale as u32);
 }
 
 fn digest_branches(digester: &mut Digester, branches: &BranchChoice) {

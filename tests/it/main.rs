@@ -29,6 +29,7 @@ mod laws;
 mod layering;
 mod mass;
 mod model_contracts;
+mod near_far;
 mod occlusion;
 mod parallax;
 mod program;

@@ -11,8 +11,8 @@ use spinney::models::{
     State, TrunkKind, TrunkLevel,
 };
 use spinney::scene::{
-    CardCounts, CardOptions, CardOutline, CardSides, PaintOptions, SpriteScale, TrunkMode,
-    TrunkName,
+    CardCounts, CardMode, CardOptions, CardOutline, CardSides, PaintOptions, SpriteScale,
+    TrunkMode, TrunkName,
 };
 use spinney::testkit::laws::{birth_before_death, image_equality, partition, residency};
 use spinney::testkit::strategy::{self, WalkOptions};
@@ -22,6 +22,7 @@ use spinney::testkit::{
 };
 
 use crate::laws::check_conservation;
+use crate::near_far::NearFar;
 use crate::support::{
     Cases, OPTIONS, Stage, StageExt as _, descriptor, random_crown, random_trunk, trunk_picture,
     trunk_stage,
@@ -222,7 +223,7 @@ impl Contracts for Cards {
 }
 
 /// What has contracts.
-trait Contracts: Copy {
+pub(crate) trait Contracts: Copy {
     /// Checks some walks.
     fn check(self, name: &'static str);
 }
@@ -259,7 +260,7 @@ impl Contracts for TrunkKind {
     }
 }
 
-fn config(name: &'static str, cases: u32) -> ProptestConfig {
+pub(crate) fn config(name: &'static str, cases: u32) -> ProptestConfig {
     ProptestConfig {
         cases,
         test_name: Some(name),
@@ -299,6 +300,13 @@ contracts! {
     crossed_cards: Cards(Kind::CrossedCards);
     octahedral_hemisphere: Cards(Kind::HemiOctahedral);
     octahedral_sphere: Cards(Kind::Octahedral);
+    full_far: NearFar(Kind::Full, CardMode::Direct);
+    vdf_indices_far: NearFar(Kind::VdfIndices, CardMode::Direct);
+    lodf_host_far: NearFar(Kind::LodfHost, CardMode::Direct);
+    lodf_cluster_far: NearFar(Kind::LodfCluster, CardMode::Direct);
+    lodf_slots_far: NearFar(Kind::LodfSlots, CardMode::Direct);
+    lodf_stamps_far: NearFar(Kind::LodfStamps, CardMode::Direct);
+    lodf_stamps_far_indirect: NearFar(Kind::LodfStamps, CardMode::Indirect);
     trunk_full: trunk(TrunkName::Full, TrunkMode::Device);
     trunk_full_host: trunk(TrunkName::Full, TrunkMode::Host);
     trunk_lodstrips: trunk(TrunkName::LodStrips, TrunkMode::Device);

@@ -328,15 +328,15 @@ fn wrong_shapes_are_refused() {
         ),
         (
             "schema = \"spinney.scene/1\"\ntree = []".to_owned(),
-            "2:8: `tree`: found 0 tables, wanted 1 to 10000 tables",
+            "2:8: `tree`: found 0 tables, wanted 1 to 20000 tables",
         ),
         (
             "schema = \"spinney.scene/1\"\ntree = [1]".to_owned(),
-            "2:9: `tree`: found 1, wanted 1 to 10000 tables",
+            "2:9: `tree`: found 1, wanted 1 to 20000 tables",
         ),
         (
             "schema = \"spinney.scene/1\"\n[tree]\nseed = 1".to_owned(),
-            "2:1: `tree`: found a table, wanted 1 to 10000 tables",
+            "2:1: `tree`: found a table, wanted 1 to 20000 tables",
         ),
         (
             ending("[model]\nname = [{ eye = [0, 1, 9], target = [0, 1, 0] }]"),

@@ -2,22 +2,24 @@
 //!
 //! ```text
 //! run::branches ─▶ BranchLook, BranchModeCost, BranchStep ─▶ BranchReport ─▶ write_branches
-//!    levels.csv, modes.csv, steps.csv     sheet.png: a row an order of removal, a picture an error
+//!    levels.csv, modes.csv, steps.csv, methods.csv     sheet.png: a row an order of removal, a picture an error
 //!    pictures/*.png: all, polygons, lines     skeletons/*.svg     plots/edges.svg, plots/steps.svg
 //! ```
 //!
 //! **Invariant.** Bytes of different streams are never added; modelled times are.
 
+mod methods;
 mod sheet;
 mod skeleton;
 mod table;
 
+pub use methods::method_table;
 pub use table::{branch_level_table, branch_mode_table, branch_step_table, branch_text};
 
 use super::axis::{Axis, Scale};
 use super::plot::{Plot, Series};
 use super::{OutputFolder, Picture, ReportError};
-use crate::run::{BranchLook, BranchModeCost, BranchStep, StudyWay, edge_curves};
+use crate::run::{BranchLook, BranchModeCost, BranchStep, MethodFound, StudyWay, edge_curves};
 
 /// Everything that was found.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -28,6 +30,8 @@ pub struct BranchReport {
     pub modes: Vec<BranchModeCost>,
     /// The steps along the path.
     pub steps: Vec<BranchStep>,
+    /// Every model beside the others.
+    pub methods: Vec<MethodFound>,
 }
 
 /// A name for a level's files, such as `0.0387m` or `0.0387m-pruned`.
@@ -49,6 +53,7 @@ pub fn write_branches(folder: &OutputFolder, report: &BranchReport) -> Result<()
         ("levels.csv", branch_level_table(report)),
         ("modes.csv", branch_mode_table(report)),
         ("steps.csv", branch_step_table(report)),
+        ("methods.csv", method_table(&report.methods)),
     ] {
         if !table.rows.is_empty() {
             folder.write(name, table.to_csv().as_bytes())?;

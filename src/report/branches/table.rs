@@ -1,6 +1,6 @@
 //! The numbers in tables.
 
-use super::BranchReport;
+use super::{BranchReport, method_table};
 use crate::gpu::{Ledger, nanoseconds};
 use crate::report::{Cell, Column, Table};
 use crate::run::{BranchLook, BranchStep, StudyWay};
@@ -152,7 +152,12 @@ fn frame_ns(frame: &Ledger) -> Option<u64> {
 #[must_use]
 pub fn branch_text(report: &BranchReport, width: usize) -> String {
     let mut text = String::new();
-    for table in [branch_level_table(report), branch_mode_table(report)] {
+    let tables = [
+        branch_level_table(report),
+        branch_mode_table(report),
+        method_table(&report.methods),
+    ];
+    for table in tables {
         if !table.rows.is_empty() {
             text += &table.to_text(width);
             text.push('\n');

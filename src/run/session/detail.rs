@@ -1,9 +1,10 @@
 //! From a frame's number to the detail of every tree: what is wanted, what is afforded, what is sent.
 
 use super::Session;
-use crate::math::whole_u32;
+use crate::math::{index_u32, whole_u32};
 use crate::models::{
-    Camera, Criterion, Extent, Sight, State, TreeChange, TreeState, Trunk, TrunkLevel,
+    Camera, CardLevel, Criterion, Crown, Extent, Sight, State, TreeChange, TreeState, Trunk,
+    TrunkLevel,
 };
 use crate::run::RunError;
 use crate::run::selector::Selector;
@@ -23,6 +24,7 @@ impl Session<'_> {
             let present = self.residents.get(number).map(|resident| resident.state());
             // What foliage with levels shows, and how far the trunk goes with it.
             let axis = self.selector.chosen(crown, tree, &view, present);
+            let far = self.far_cards(crown, tree, &view, present);
             let trunk = self.world.trunks[tree.crown].as_ref();
             let trunk = trunk.filter(|_| self.trunk.has_levels() && !self.paints_trunk(tree.crown));
             TreeState {
@@ -38,9 +40,11 @@ impl Session<'_> {
                     None if self.trunk.has_errors() => {
                         branch_level(&self.scene.branches, trunk, tree, &view)
                     }
+                    None if far.is_some() => trunk.level(all, all),
                     None => trunk.level(axis.collapse_count(), all),
                 }),
                 foliage: match (self.kind.shows_leaves(), self.kind.has_levels()) {
+                    (true, _) if far.is_some() => far.map_or(State::FINEST, State::Cards),
                     (true, true) => axis,
                     (true, false) => State::FINEST,
                     (false, _) => match &self.paintings[tree.crown] {
@@ -58,6 +62,20 @@ impl Session<'_> {
             }
         };
         self.world.trees.iter().enumerate().map(state).collect()
+    }
+
+    /// The level of the cards that stand for a tree's leaves far away; `None` where leaves show.
+    fn far_cards(
+        &self,
+        crown: &Crown,
+        tree: &StandingTree,
+        view: &scene::View,
+        present: Option<&State>,
+    ) -> Option<CardLevel> {
+        let far = self.scene.cards.far.filter(|_| self.kind.shows_leaves())?;
+        let levels = index_u32(self.scene.cards.levels.as_slice().len());
+        self.selector
+            .far_cards(crown, tree, view, present, (far.range, levels))
     }
 
     /// Goes over to the detail of a frame, as far as the scene's budget of bytes allows; what it
