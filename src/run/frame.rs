@@ -22,6 +22,8 @@ pub struct Frame {
     pub image_digest: Digest,
     /// Leaves drawn, over all trees.
     pub leaves: u64,
+    /// How many lines were drawn in place of branches and needles.
+    pub lines: u64,
     /// How many strokes were drawn in place of leaves and branches.
     pub strokes: u64,
     /// Triangles drawn: two a quad leaf, the faces of others, those of cards, the trunks', and the
@@ -54,6 +56,7 @@ impl Frame {
             image: no_image(),
             image_digest: Digest([0; 32]),
             leaves: 0,
+            lines: 0,
             strokes: 0,
             triangles: 0,
             trunk_triangles: 0,

@@ -297,3 +297,26 @@ fn every_way_to_blend_draws_the_same_primitives() {
         "{counted:?}"
     );
 }
+
+/// Lines are told apart from triangles, as many as were submitted.
+#[test]
+fn frames_tell_how_many_lines_they_have() {
+    let world = world(&scene());
+    let choice = GroveChoice {
+        levels: 4,
+        ..GroveChoice::PAPER
+    };
+    let whole = frames(&with(choice), &world);
+    let alone = Scene {
+        grove: None,
+        ..scene()
+    };
+    let one_by_one = frames(&alone, &world);
+    for frame in whole.iter().chain(&one_by_one) {
+        assert!(frame.lines > 0, "frame {}", frame.frame);
+        assert!(frame.ledger.primitives >= frame.lines, "{}", frame.lines);
+    }
+    for frame in &whole {
+        assert_eq!(frame.ledger.primitives, frame.triangles + frame.lines);
+    }
+}

@@ -218,6 +218,7 @@ impl LedgerEntry {
             frame: Some(frame.frame),
             image_digest: Some(frame.image_digest.to_string()),
             leaves: frame.leaves,
+            lines: frame.lines,
             strokes: frame.strokes,
             triangles: frame.triangles,
             levels: Some(levels),

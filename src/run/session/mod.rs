@@ -303,24 +303,11 @@ impl<'w> Session<'w> {
         let leaves = self.leaf_count();
         let cards: u64 = self.residents.iter().map(|one| one.card_triangles()).sum();
         let strokes: u64 = self.residents.iter().map(|one| one.strokes()).sum();
-        let (mut leaf_triangles, mut trunk_triangles) = (0, 0);
-        let trees = self.world.trees.iter().zip(&self.trunks);
-        for ((tree, shown), state) in trees.zip(&states) {
-            leaf_triangles += self.world.crowns[tree.crown].shown_triangles(&state.foliage);
-            // Those that strokes stand for are not drawn, those of groves are counted below.
-            if let (Some(trunk), Some(shown)) = (&self.world.trunks[tree.crown], shown) {
-                trunk_triangles += match shown.primitives() {
-                    Some(counts) => 2 * counts.quads + counts.triangles,
-                    None => u64::from(self.trunk.triangle_count(trunk, state.trunk)),
-                };
-            }
-        }
-        for grove in &self.groves {
-            let seen = grove_view(&self.scene.camera.at(frame, self.size));
-            for (patches, counts) in grove.grove().shown(&seen) {
-                trunk_triangles += u64::from(patches) * (2 * counts.quads + counts.triangles);
-            }
-        }
+        let trees = self.world.trees.iter().zip(&states);
+        let leaf_triangles: u64 = trees
+            .map(|(tree, state)| self.world.crowns[tree.crown].shown_triangles(&state.foliage))
+            .sum();
+        let [trunk_triangles, lines] = self.wood(frame, &states);
         let commands = self.commands();
         self.device.queue().submit(&commands)?;
         let image = self.device.present(self.target)?;
@@ -330,6 +317,7 @@ impl<'w> Session<'w> {
             image_digest: image.digest(),
             image,
             leaves,
+            lines,
             strokes,
             triangles: leaf_triangles + cards + 2 * strokes + trunk_triangles + u64::from(ground),
             trunk_triangles,
