@@ -49,6 +49,17 @@ impl TransparencyLook {
         differ.count() as u64
     }
 
+    /// Whether it is instancing without the improvements.
+    #[must_use]
+    pub fn is_naive(&self) -> bool {
+        let choice = self.way.choice;
+        let naive = GroveChoice {
+            levels: choice.levels,
+            ..GroveChoice::NAIVE
+        };
+        choice == naive
+    }
+
     /// Whether it is what others are held against.
     #[must_use]
     pub fn is_truth(&self) -> bool {
@@ -57,7 +68,8 @@ impl TransparencyLook {
 }
 
 /// The ways that are looked at for a forest: the truth; instancing as it was, then with one improvement after the
-/// other; all three but one; and with lines that leave depth as it is.
+/// other; all three but one; with lines that leave depth as it is; and ways that need no order, those that live
+/// on samples with four of them.
 #[must_use]
 pub fn transparency_ways(scene: GroveChoice) -> Vec<TransparencyWay> {
     let levels = scene.levels;
@@ -79,7 +91,7 @@ pub fn transparency_ways(scene: GroveChoice) -> Vec<TransparencyWay> {
         blend: GroveBlend::KeepsDepth,
         ..choice
     };
-    vec![
+    let ordered = [
         way("truth", GroveChoice::TRUTH),
         way("naive", naive),
         way("packed", packed),
@@ -110,7 +122,45 @@ pub fn transparency_ways(scene: GroveChoice) -> Vec<TransparencyWay> {
         way("packed, keeps depth", keeps_depth(packed)),
         way("packed, one level, keeps depth", keeps_depth(one_level)),
         way("all three, keeps depth", keeps_depth(paper)),
-    ]
+    ];
+    let unordered = |name, blend| {
+        way(
+            name,
+            GroveChoice {
+                blend,
+                ..GroveChoice::TRUTH
+            },
+        )
+    };
+    let peeled = |name, layers| {
+        let peeled = unordered(name, GroveBlend::Peeled);
+        TransparencyWay {
+            choice: GroveChoice {
+                layers,
+                ..peeled.choice
+            },
+            ..peeled
+        }
+    };
+    let of_four = |way: TransparencyWay| TransparencyWay {
+        samples: SampleCount::Four,
+        ..way
+    };
+    let rivals = [
+        unordered("hashed", GroveBlend::Hashed),
+        unordered("weighted", GroveBlend::Weighted),
+        unordered("moments", GroveBlend::Moments),
+        peeled("peeled, 2 layers", 2),
+        peeled("peeled, 4 layers", 4),
+        peeled("peeled, 8 layers", 8),
+        peeled("peeled, 16 layers", 16),
+        peeled("peeled, 32 layers", 32),
+        of_four(way("truth, four samples", GroveChoice::TRUTH)),
+        of_four(way("naive, four samples", naive)),
+        of_four(unordered("coverage, four samples", GroveBlend::Coverage)),
+        of_four(unordered("hashed, four samples", GroveBlend::Hashed)),
+    ];
+    ordered.into_iter().chain(rivals).collect()
 }
 
 /// Draws the first frame of a scene with patches in each way; nothing where no forest stands in patches.

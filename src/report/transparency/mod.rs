@@ -42,7 +42,7 @@ pub fn transparency_table(looks: &[TransparencyLook]) -> Table {
         let text = |text: &str| Cell::Text(text.to_owned());
         let naive = looks
             .iter()
-            .find(|naive| !naive.is_truth() && naive.way.samples == look.way.samples);
+            .find(|naive| naive.is_naive() && naive.way.samples == look.way.samples);
         let times_fewer = |above: u8| match (naive, look.errors(above)) {
             (Some(naive), wrong @ 1..) => Cell::Number {
                 value: naive.errors(above) as f64 / wrong as f64,
@@ -101,7 +101,7 @@ pub fn write_transparency(
     folder: &OutputFolder,
     looks: &[TransparencyLook],
 ) -> Result<(), ReportError> {
-    let Some(naive) = looks.iter().find(|look| !look.is_truth()) else {
+    let Some(naive) = looks.iter().find(|look| look.is_naive()) else {
         return Ok(());
     };
     let table = transparency_table(looks);
