@@ -248,14 +248,8 @@ pub(super) struct BranchArguments {
         value_parser = error_in_metres
     )]
     pub(super) errors: Vec<f32>,
-    /// What is looked at
-    #[arg(
-        long,
-        value_enum,
-        value_name = "A,B,C",
-        value_delimiter = ',',
-        default_value = "levels,modes"
-    )]
+    /// What is looked at [default: transparency where the scene has a table [grove], else levels,modes]
+    #[arg(long, value_enum, value_name = "A,B,C", value_delimiter = ',')]
     pub(super) parts: Vec<BranchPart>,
 }
 
@@ -272,6 +266,8 @@ pub(super) enum BranchPart {
     Steps,
     /// Every model along the path: detail, continuity, bytes, modelled time, shadows
     Methods,
+    /// Ways to draw the lines of a forest of patches, held against every fragment in its place
+    Transparency,
 }
 
 /// What `stand-ins` looks at.

@@ -33,12 +33,14 @@ mod quality;
 mod run;
 mod scatter;
 mod shard;
+mod sheet;
 mod staging;
 mod stand_ins;
 mod storage;
 mod sweep;
 mod table;
 mod thumbnail;
+mod transparency;
 
 pub use axis::{Axis, Scale};
 pub use branches::{
@@ -92,6 +94,7 @@ pub use sweep::{
     sweep_markdown, sweep_notes, sweep_page, sweep_plots, sweep_table, sweep_text, write_sweep,
 };
 pub use table::{Align, Cell, Column, Table, csv_row};
+pub use transparency::{transparency_table, transparency_text, write_transparency};
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Pictures made smaller, for pages.
+//! Pictures made smaller, for pages, and larger, for details.
 
 use super::{Picture, ReportError};
 use crate::math::{det, whole_u32};
@@ -40,6 +40,24 @@ pub(super) fn shrink(picture: &Picture, factor: u32) -> Result<Picture, ReportEr
         }
     }
     Picture::new(columns, rows, rgba)
+}
+
+/// Every pixel as a square of so many.
+///
+/// # Errors
+///
+/// When it would be larger than a picture can be.
+pub(super) fn enlarged(picture: &Picture, factor: u32) -> Result<Picture, ReportError> {
+    let factor = factor.max(1);
+    let (width, height) = (picture.width() * factor, picture.height() * factor);
+    let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
+    for y in 0..height {
+        for x in 0..width {
+            let pixel = (y / factor) as usize * picture.width() as usize + (x / factor) as usize;
+            rgba.extend_from_slice(&picture.rgba()[4 * pixel..4 * pixel + 4]);
+        }
+    }
+    Picture::new(width, height, rgba)
 }
 
 /// The linear value of every sRGB byte ([SRGB](crate::references)), with 2²⁴ for white.

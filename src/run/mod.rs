@@ -32,6 +32,7 @@ mod stand_in_textures;
 mod stand_ins;
 mod studio;
 mod sweep;
+mod transparency;
 mod trunks;
 mod views;
 mod world;
@@ -71,6 +72,7 @@ pub use stand_ins::{
     StandInOptions, ViewScale, stand_ins,
 };
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep};
+pub use transparency::{TransparencyLook, TransparencyWay, transparency_looks, transparency_ways};
 pub use views::{Shot, VIEW_SIDE, Views, corner_directions, directions};
 pub use world::{StandingGrove, StandingTree, World, crown};
 

@@ -33,6 +33,16 @@ choices! {
         KeepsDepth = "keeps-depth",
         /// Every fragment by its depth: the truth.
         Sorted = "sorted",
+        /// There or not, as a hash of the place says ([WM17](crate::references)).
+        Hashed = "hashed",
+        /// There in as many samples of a pixel as opacity says: alpha to coverage.
+        Coverage = "coverage",
+        /// One layer after the other, the nearest first ([E01](crate::references)).
+        Peeled = "peeled",
+        /// Weighted by depth and opacity, in any order ([MB13](crate::references)).
+        Weighted = "weighted",
+        /// Weighted by what four moments of depth say of the light there ([MKKP18](crate::references)).
+        Moments = "moments",
     }
 }
 
@@ -49,9 +59,17 @@ pub struct GroveChoice {
     pub order: GroveOrder,
     /// How lines meet what is behind them.
     pub blend: GroveBlend,
+    /// How many layers are peeled, at most [`MOST_LAYERS`](Self::MOST_LAYERS); of peeled ones alone.
+    pub layers: u32,
 }
 
 impl GroveChoice {
+    /// The most layers that are peeled: a target each.
+    pub const MOST_LAYERS: u32 = 32;
+
+    /// How many are peeled unless a scene says otherwise.
+    pub const LAYERS: u32 = 8;
+
     /// As the paper ends up.
     pub const PAPER: Self = Self {
         levels: 8,
@@ -59,6 +77,7 @@ impl GroveChoice {
         levels_a_pass: 1,
         order: GroveOrder::Host,
         blend: GroveBlend::WritesDepth,
+        layers: Self::LAYERS,
     };
 
     /// What the paper improves on: instancing as in [BLZD12](crate::references), four levels a pass.

@@ -30,12 +30,18 @@ pub(super) fn read(
         return Err(root.refuse("grove", wanted));
     }
     let name = |key| table.have::<String>(key);
+    let blend = GroveBlend::from_name(&name("blend")?).expect(NAMED);
+    let layers = table.get::<u64>("layers")?;
+    if layers.is_some() && blend != GroveBlend::Peeled {
+        return Err(table.refuse("layers", "nothing, unless `blend` is \"peeled\""));
+    }
     Ok(Some(GroveChoice {
         levels: small(table.have("levels")?),
         packing: GrovePacking::from_name(&name("packing")?).expect(NAMED),
         levels_a_pass: small(table.have("levels_a_pass")?),
         order: GroveOrder::from_name(&name("order")?).expect(NAMED),
-        blend: GroveBlend::from_name(&name("blend")?).expect(NAMED),
+        blend,
+        layers: layers.map_or(GroveChoice::LAYERS, small),
     }))
 }
 
@@ -46,6 +52,9 @@ pub(super) fn write(text: &mut Text, grove: GroveChoice) {
     text.key("levels_a_pass", &grove.levels_a_pass.to_string());
     text.key("order", &quoted(grove.order.name()));
     text.key("blend", &quoted(grove.blend.name()));
+    if grove.blend == GroveBlend::Peeled {
+        text.key("layers", &grove.layers.to_string());
+    }
 }
 
 pub(super) fn digest(digester: &mut Digester, grove: GroveChoice) {
@@ -55,4 +64,7 @@ pub(super) fn digest(digester: &mut Digester, grove: GroveChoice) {
         .u32(grove.levels_a_pass)
         .u32(grove.order as u32)
         .u32(grove.blend as u32);
+    if grove.blend == GroveBlend::Peeled {
+        digester.u32(grove.layers);
+    }
 }

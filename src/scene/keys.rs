@@ -495,7 +495,9 @@ pub const KEYS: &[Key] = &[
     key("grove.order", Kind::Choice(GroveOrder::NAMES), "", Absent::Value("\"host\""),
         "Patches of a level are sorted from far to near on the host, on the device, or not."),
     key("grove.blend", Kind::Choice(GroveBlend::NAMES), "", Absent::Value("\"writes-depth\""),
-        "Lines write depth as in the paper, or only test it, or every fragment is sorted."),
+        "Lines write depth as in the paper, or only test it, or every fragment is sorted; or a way that needs no order."),
+    key("grove.layers", Kind::Integer { min: 1, max: 32 }, "layers", Absent::Rule("8 of what is \"peeled\""),
+        "How many layers are peeled, each by a pass over all lines."),
 
     key("device", Kind::Table, "", Absent::Value("{}"),
         "The simulated device."),

@@ -37,7 +37,7 @@ goldens! {
     digest { walk_cluster walk_slots walk_stamps yew }
     forest { hill }
     full { flattened four_samples resident }
-    grove { naive patches sorted }
+    grove { coverage hashed moments naive patches peeled sorted weighted }
     lodf {
         cluster cluster_variable device device_occlusion host literal pruned_cluster pruned_device
         slots slots_gathered slots_variable stamps stamps_variable

@@ -49,6 +49,7 @@ mod strokes;
 mod support;
 mod threads;
 mod traces;
+mod transparency;
 mod vertex_collapses;
 mod walks;
 mod whole_trees;

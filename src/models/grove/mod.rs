@@ -15,23 +15,33 @@
 //! | none, device | nothing |
 //! | host | reads the arguments and the lists back, sends the lists again: 8 B a patch in view and 16 B a draw |
 //!
+//! Blends that hash, or weigh by moments, are told the view's range too: 16 B. Those of [`veil`] draw lines into
+//! targets of their own, between the polygons and the rest of the frame.
+//!
 //! A list holds numbers of patches, where the paper captures positions. Wood and needles show their colour
 //! without texture: patches of several species are one draw.
 //!
 //! **Invariant.** What is on the device is a function of the samples, places and the last view; every way to
 //! order or blend draws the same primitives.
 
+mod composite;
 mod cull;
+mod hashed;
+mod lines;
+mod moments;
 mod patch;
 mod program;
+mod veil;
 
 use std::sync::Arc;
 
 pub use patch::GroveSample;
 
 use cull::{CAMERA_SLOT, Cull, LIST_SLOT, PLACE_SLOT, RECORD_SLOT, VIEW_SLOT, View};
+use lines::{GroveLines, LineStage, RANGE_SLOT};
 use patch::PatchLevels;
-use program::{GroveLines, GrovePolygons, MATERIAL_SLOT};
+use program::{GrovePolygons, MATERIAL_SLOT};
+use veil::Veil;
 
 use super::branches::BRANCH_GROUP;
 use super::environment::INSTANCE_SLOT;
@@ -39,11 +49,11 @@ use super::surface::filled;
 use super::{Environment, Placement};
 use crate::gpu::{
     BufferDescriptor, BufferId, Cause, Command, ComputePass, ComputeProgramId, ComputeStep,
-    Corners, Device, DrawInstancedIndirect, GpuError, IndirectRecord, ProgramId, Residency, Step,
-    Usage,
+    Corners, Device, DrawInstancedIndirect, GpuError, IndirectRecord, Load, ProgramId, RenderPass,
+    Residency, Step, TargetId, Usage,
 };
 use crate::math::{Mat4, Vec3, index_u32};
-use crate::scene::{GroveChoice, GroveOrder, GrovePacking};
+use crate::scene::{GroveBlend, GroveChoice, GroveOrder, GrovePacking};
 use crate::simplify::PrimitiveCounts;
 
 /// Why what a grove begins with is sent.
@@ -122,12 +132,34 @@ impl Grove {
         }
     }
 
+    /// The nearest and the farthest depth, along the view in metres, of the balls around patches in sight.
+    fn range(&self, view: &GroveView) -> [f32; 2] {
+        /// Nothing nearer is told apart.
+        const NEAREST: f32 = 0.1;
+        let seen = self.seen(view);
+        let along = view.clip_from_world.row(3);
+        let bounds = self.levels.bounds();
+        let shown = self
+            .places
+            .iter()
+            .filter(|place| seen.level_of(place).is_some());
+        let none = [f32::INFINITY, NEAREST];
+        let [nearest, farthest] = shown.fold(none, |[nearest, farthest], place| {
+            let middle = along.dot(place.to_world(bounds.center()).extend(1.0));
+            let reach = 0.5 * place.scale * bounds.min.distance(bounds.max);
+            let reach = reach * along.truncate().length();
+            [nearest.min(middle - reach), farthest.max(middle + reach)]
+        });
+        let nearest = nearest.clamp(NEAREST, farthest.max(NEAREST));
+        [nearest, farthest.max(2.0 * nearest)]
+    }
+
     /// How far away an error of a metre may be seen: metres a metre.
     fn reach(&self, view: &GroveView) -> f32 {
         view.focal_pixels / self.pixel_error
     }
 
-    /// Sends all of it.
+    /// Sends all of it, to be drawn into a frame.
     ///
     /// # Errors
     ///
@@ -136,13 +168,22 @@ impl Grove {
         self: &Arc<Self>,
         device: &mut Device,
         environment: &Environment,
+        frame: TargetId,
     ) -> Result<ResidentGrove, GpuError> {
         let patches = self.patch_count();
         let (levels, parts) = (self.levels.count(), self.parts());
         let blend = self.choice.blend;
+        let line_stage = match blend {
+            GroveBlend::WritesDepth => Some(LineStage::WritesDepth),
+            GroveBlend::KeepsDepth => Some(LineStage::KeepsDepth),
+            GroveBlend::Sorted => Some(LineStage::Sorted),
+            GroveBlend::Hashed => Some(LineStage::Hashed),
+            GroveBlend::Coverage => Some(LineStage::Coverage),
+            GroveBlend::Peeled | GroveBlend::Weighted | GroveBlend::Moments => None,
+        };
         let programs = Programs {
             polygons: device.create_program(Arc::new(GrovePolygons)),
-            lines: device.create_program(Arc::new(GroveLines { blend })),
+            lines: line_stage.map(|stage| device.create_program(Arc::new(GroveLines { stage }))),
             cull: device.create_compute_program(Arc::new(Cull {
                 patches,
                 parts,
@@ -184,7 +225,20 @@ impl Grove {
             usage: Usage::STORAGE,
             residency: Residency::Device,
         })?;
+        let range = match blend {
+            GroveBlend::Hashed | GroveBlend::Moments => {
+                Some(device.create_buffer(&BufferDescriptor {
+                    label: "grove range",
+                    size: 16,
+                    usage: Usage::STORAGE,
+                    residency: Residency::Device,
+                })?)
+            }
+            _ => None,
+        };
         Ok(ResidentGrove {
+            veil: Veil::new(device, &self.choice, frame)?,
+            range,
             grove: Arc::clone(self),
             environment: *environment,
             programs,
@@ -234,7 +288,8 @@ impl Grove {
 #[derive(Debug, Clone, Copy)]
 struct Programs {
     polygons: ProgramId,
-    lines: ProgramId,
+    /// Where they are drawn into the frame.
+    lines: Option<ProgramId>,
     cull: ComputeProgramId,
 }
 
@@ -252,6 +307,9 @@ pub struct ResidentGrove {
     records: BufferId,
     lists: BufferId,
     camera: BufferId,
+    /// Of the view, where a blend asks for it.
+    range: Option<BufferId>,
+    veil: Veil,
 }
 
 impl ResidentGrove {
@@ -273,6 +331,12 @@ impl ResidentGrove {
         let bytes: Vec<u8> = words.into_iter().flat_map(f32::to_le_bytes).collect();
         let mut queue = device.queue();
         queue.write(self.camera, 0, &bytes, CAMERA)?;
+        if let Some(range) = self.range {
+            let [nearest, farthest] = self.grove.range(view);
+            let words = [view.focal_pixels, nearest, farthest, 0.0];
+            let bytes: Vec<u8> = words.into_iter().flat_map(f32::to_le_bytes).collect();
+            queue.write(range, 0, &bytes, CAMERA)?;
+        }
         let storage = |slot, buffer| ComputeStep::Storage { slot, buffer };
         queue.submit(&[Command::Compute(ComputePass {
             label: "grove".to_owned(),
@@ -337,9 +401,43 @@ impl ResidentGrove {
         }
     }
 
-    /// Adds the steps that draw lines, in the order of the options.
+    /// Adds the steps that draw lines into the frame, in the order of the options, or what came of
+    /// [passes](Self::line_passes).
     pub fn draw_lines(&self, steps: &mut Vec<Step>) {
-        self.bind(self.programs.lines, self.lines, steps);
+        match self.programs.lines {
+            Some(program) => self.lines_of(program, steps),
+            None => self.veil.show(steps),
+        }
+    }
+
+    /// The passes that draw lines into targets of their own, once the polygons are in the frame and before
+    /// [`draw_lines`](Self::draw_lines).
+    #[must_use]
+    pub fn line_passes(&self, frame: TargetId) -> Vec<Command> {
+        let passes = self.veil.passes.iter().map(|pass| {
+            let mut steps = Vec::new();
+            pass.bind(frame, &mut steps);
+            self.lines_of(pass.program, &mut steps);
+            Command::Render(RenderPass {
+                label: pass.label.to_owned(),
+                target: pass.target,
+                load: Load::Clear {
+                    color: pass.clear,
+                    depth: 1.0,
+                },
+                steps,
+            })
+        });
+        passes.collect()
+    }
+
+    fn lines_of(&self, program: ProgramId, steps: &mut Vec<Step>) {
+        self.bind(program, self.lines, steps);
+        let range = self.range.map(|buffer| Step::Storage {
+            slot: RANGE_SLOT,
+            buffer,
+        });
+        steps.extend(range);
         let parts = self.grove.parts();
         for levels in self.passes() {
             match self.grove.choice.packing {

@@ -1,22 +1,18 @@
-//! The programs that draw a grove's polygons and lines.
+//! The program that draws a grove's polygons, and what it shares with that of lines.
 
 use crate::gpu::{
     Bindings, Blend, Fragment, Geometry, Hulls, Kernel, Layout, Pixel, Program, Topology,
     Transform, VertexCall, Words,
 };
 use crate::math::{Vec3, Vec4, index_u32};
-use crate::models::branches::Viewer;
 use crate::models::environment::{INSTANCE_SLOT, Placement, VIEW_SLOT, View, clip_from_plant};
 use crate::models::shadow::Lighting;
-use crate::scene::GroveBlend;
 
 /// The slot of the materials.
 pub(super) const MATERIAL_SLOT: u32 = 2;
 
 /// Words of a polygon's vertex.
 const VERTEX_WORDS: usize = 7;
-/// Words of an end of a line.
-const LINE_WORDS: usize = 8;
 
 /// The program of polygons.
 #[derive(Debug, Clone, Copy)]
@@ -117,102 +113,15 @@ impl Fragment for PolygonFragment<'_> {
     }
 }
 
-/// The program of lines.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct GroveLines {
-    pub(super) blend: GroveBlend,
-}
-
-impl Program for GroveLines {
-    fn layout(&self) -> Layout {
-        Layout {
-            name: match self.blend {
-                GroveBlend::WritesDepth => "grove lines, writing depth",
-                GroveBlend::KeepsDepth => "grove lines",
-                GroveBlend::Sorted => "grove lines, sorted",
-            },
-            version: 1,
-            topology: Topology::LineList,
-            blend: match self.blend {
-                GroveBlend::WritesDepth => Blend::AlphaAndDepth,
-                GroveBlend::KeepsDepth => Blend::Alpha,
-                GroveBlend::Sorted => Blend::Sorted,
-            },
-            vertex_stride: index_u32(4 * LINE_WORDS),
-            pulled_primitive_bytes: 0,
-            pulled_vertex_bytes: 0,
-            storage_slots: 3,
-            texture_slots: 0,
-        }
-    }
-
-    fn vertex_stage(&self, call: &VertexCall<'_>, geometry: &mut Geometry) {
-        let (view, placement) = seen(call);
-        let viewer = Viewer::of(&view.clip_from_world);
-        let materials = call.bindings.storage(MATERIAL_SLOT as usize);
-        let places = call.places.as_chunks::<2>().0;
-        for (ids, places) in call.corners.as_chunks::<2>().0.iter().zip(places) {
-            let words = places.map(|place| LINE_WORDS * place as usize);
-            let world = words.map(|word| {
-                let point = Vec3::from_array(call.vertices.f32s(word));
-                placement.to_world(point)
-            });
-            let axis = world[1] - world[0];
-            let first = index_u32(geometry.clip.len());
-            for ((&id, word), world) in ids.iter().zip(words).zip(world) {
-                let alpha = call.vertices.f32(word + 6);
-                let toward = viewer.light_on_cylinder(world, axis, view.to_light);
-                let color = color_of(materials, call.vertices.u32(word + 7));
-                geometry.clip.push(view.clip_from_world * world.extend(1.0));
-                geometry.varyings.extend(color.to_array());
-                geometry.varyings.extend([alpha, toward]);
-                geometry.vertex_ids.push(id);
-            }
-            geometry.corners.extend([first, first + 1]);
-        }
-    }
-
-    fn fragment_stage<'a>(&self, bindings: &Bindings<'a>) -> Box<dyn Kernel + 'a> {
-        Box::new(LineFragment {
-            lighting: Lighting::of(bindings),
-        })
-    }
-}
-
-/// As polygons are shaded, with the light that the vertex stage found and the line's opacity.
-#[derive(Debug)]
-struct LineFragment<'a> {
-    lighting: Lighting<'a>,
-}
-
-impl Fragment for LineFragment<'_> {
-    const VARYINGS: usize = 5;
-    const FLATS: usize = 0;
-    const TESTS_ALPHA: bool = false;
-    const IN_LANES: bool = false;
-
-    fn keeps(&self, _: &Pixel<'_>) -> bool {
-        true
-    }
-
-    fn texels_shaded(&self) -> u64 {
-        self.lighting.texels()
-    }
-
-    fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
-        let [r, g, b, alpha, toward, ..] = *pixel.varyings;
-        let light = self.lighting.at(toward.max(0.0), pixel);
-        (Vec3::new(r, g, b) * light).extend(alpha)
-    }
-}
-
-fn seen(call: &VertexCall<'_>) -> (View, Placement) {
+/// The view and where the instance stands.
+pub(super) fn seen(call: &VertexCall<'_>) -> (View, Placement) {
     let view = View::read(call.bindings.storage(VIEW_SLOT as usize));
     let places = call.bindings.storage(INSTANCE_SLOT as usize);
     let placement = Placement::from_words(places.f32s(8 * call.instance as usize));
     (view, placement)
 }
 
-fn color_of(materials: Words<'_>, number: u32) -> Vec3 {
+/// The colour of a material.
+pub(super) fn color_of(materials: Words<'_>, number: u32) -> Vec3 {
     Vec3::from_array(materials.f32s(4 * number as usize))
 }

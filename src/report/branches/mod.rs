@@ -9,7 +9,6 @@
 //! **Invariant.** Bytes of different streams are never added; modelled times are.
 
 mod methods;
-mod sheet;
 mod skeleton;
 mod table;
 
@@ -18,7 +17,7 @@ pub use table::{branch_level_table, branch_mode_table, branch_step_table, branch
 
 use super::axis::{Axis, Scale};
 use super::plot::{Plot, Series};
-use super::{OutputFolder, Picture, ReportError};
+use super::{OutputFolder, Picture, ReportError, sheet};
 use crate::run::{BranchLook, BranchModeCost, BranchStep, MethodFound, StudyWay, edge_curves};
 
 /// Everything that was found.

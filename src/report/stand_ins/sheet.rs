@@ -1,7 +1,7 @@
 //! Pictures of a stand-in at all scales, side by side.
 
 use crate::math::index_u32;
-use crate::report::thumbnail::shrink;
+use crate::report::thumbnail::{enlarged, shrink};
 use crate::report::{Picture, ReportError};
 use crate::run::StandIn;
 
@@ -84,20 +84,6 @@ fn beside(cells: &[Picture]) -> Result<Picture, ReportError> {
         }
     }
     Picture::new(width, pitch, rgba)
-}
-
-/// Every pixel as a square of so many.
-fn enlarged(picture: &Picture, factor: u32) -> Result<Picture, ReportError> {
-    let factor = factor.max(1);
-    let (width, height) = (picture.width() * factor, picture.height() * factor);
-    let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
-    for y in 0..height {
-        for x in 0..width {
-            let pixel = (y / factor) as usize * picture.width() as usize + (x / factor) as usize;
-            rgba.extend_from_slice(&picture.rgba()[4 * pixel..4 * pixel + 4]);
-        }
-    }
-    Picture::new(width, height, rgba)
 }
 
 #[cfg(test)]

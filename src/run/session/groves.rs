@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Session;
-use crate::gpu::Device;
+use crate::gpu::{Device, TargetId};
 use crate::models::{Environment, Grove, GroveSample, GroveView, ResidentGrove, TreeState};
 use crate::run::RunError;
 use crate::run::world::World;
@@ -16,6 +16,7 @@ pub(super) fn groves(
     choice: GroveChoice,
     device: &mut Device,
     environment: &Environment,
+    frame: TargetId,
 ) -> Result<Vec<ResidentGrove>, RunError> {
     let mut groves = Vec::with_capacity(world.groves.len());
     for grove in &world.groves {
@@ -28,7 +29,7 @@ pub(super) fn groves(
         });
         let samples: Vec<GroveSample> = samples.collect();
         let grove = Arc::new(Grove::new(&samples, grove.places.clone(), choice));
-        groves.push(grove.upload(device, environment)?);
+        groves.push(grove.upload(device, environment, frame)?);
     }
     Ok(groves)
 }

@@ -8,6 +8,7 @@
 //! [`Owner`].
 
 mod detail;
+mod drawing;
 mod groves;
 mod owner;
 
@@ -26,14 +27,12 @@ use super::shadow::Shadows;
 use super::views::Shot;
 use super::world::World;
 use crate::gpu::{
-    Command, Device, DeviceDescriptor, Ledger, Load, ProbedFragment, RenderPass, ResourceId, Step,
-    TargetDescriptor, TargetId,
+    Device, DeviceDescriptor, Ledger, ProbedFragment, ResourceId, TargetDescriptor, TargetId,
 };
 use crate::math::{Vec3, Vec4, index_u32};
 use crate::models::{
     CARD_GROUP, Camera, Environment, Ground, Kind, LEAF_GROUP, Occlusion, Painting, Placement,
     Resident, ResidentGrove, Shared, TreeChange, TreeState, TrunkKind, TrunkLevel, View,
-    frame_commands,
 };
 use crate::raster::{Image, Samples, decode_srgb};
 use crate::scene::{ImageSize, SampleCount, Scene};
@@ -176,7 +175,7 @@ impl<'w> Session<'w> {
             }
         };
         let groves = match (scene.grove, options.trunk.has_errors()) {
-            (Some(choice), true) => groves(world, choice, &mut device, &environment)?,
+            (Some(choice), true) => groves(world, choice, &mut device, &environment, target)?,
             _ => Vec::new(),
         };
         let mut owners = Owners::default();
@@ -360,73 +359,6 @@ impl<'w> Session<'w> {
         decode_srgb(self.scene.background)
     }
 
-    /// The commands that draw all trees as they are committed.
-    pub(in crate::run) fn commands(&self) -> Vec<Command> {
-        let residents = self.residents.iter().map(|resident| &**resident);
-        frame_commands(&self.environment, self.pass(), self.blended(), residents)
-    }
-
-    /// The pass that draws all trees as they are committed, or as many as are drawn first.
-    fn pass(&self) -> RenderPass {
-        let mut steps = Vec::new();
-        if let Some(first) = self.residents.first() {
-            first.draw_behind(&mut steps);
-        }
-        if let Some(ground) = &self.ground {
-            ground.draw(&mut steps);
-        }
-        for (trunk, resident) in self.trunks.iter().zip(&self.residents) {
-            if let Some(trunk) = trunk {
-                trunk.draw(&mut steps);
-            }
-            // What is painted is blended.
-            if !self.kind.paints() {
-                resident.draw(&mut steps);
-            }
-        }
-        for grove in &self.groves {
-            grove.draw(&mut steps);
-        }
-        RenderPass {
-            label: "frame".to_owned(),
-            target: self.target,
-            load: Load::Clear {
-                color: self.background(),
-                depth: 1.0,
-            },
-            steps,
-        }
-    }
-
-    /// What is blended, the farthest tree first, of equals the first.
-    fn blended(&self) -> Vec<Step> {
-        let mut steps = Vec::new();
-        if !self.trunk.has_errors() && !self.kind.paints() {
-            return steps;
-        }
-        for grove in &self.groves {
-            grove.draw_lines(&mut steps);
-        }
-        let trees = self.world.trees.iter().enumerate();
-        let mut far: Vec<(f32, usize)> = trees
-            .map(|(number, tree)| {
-                let center = self.world.crowns[tree.crown].plant().bounds().center();
-                let center = tree.placement.to_world(center);
-                (center.distance_squared(self.eye), number)
-            })
-            .collect();
-        far.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, number) in far {
-            if let Some(trunk) = &self.trunks[number] {
-                trunk.draw_lines(&mut steps);
-            }
-            if self.kind.paints() {
-                self.residents[number].draw(&mut steps);
-            }
-        }
-        steps
-    }
-
     /// The forests of patches that are drawn at once.
     #[must_use]
     pub fn groves(&self) -> &[ResidentGrove] {
@@ -545,8 +477,7 @@ impl<'w> Session<'w> {
             Layers::Polygons => blended.clear(),
             Layers::Lines => pass.steps.clear(),
         }
-        let residents = self.residents.iter().map(|resident| &**resident);
-        let commands = frame_commands(&self.environment, pass, blended, residents);
+        let commands = self.assembled(pass, blended);
         self.device.queue().submit(&commands)?;
         let image = self.device.present(self.target)?;
         self.device.take_ledger();
