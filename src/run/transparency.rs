@@ -5,6 +5,10 @@
 //! scene with patches ─┬─ sorted by fragment ───────▶ truth ─┐
 //!                     └─ each way, same primitives ─▶ look ─┴─▶ differences of intensity
 //! ```
+//!
+//! What the paper's improvements put in order are levels and patches. The lines of a patch are drawn in the order of
+//! its model: where they write depth, what lies behind one of them and comes later is lost, however patches are
+//! sorted, and that is most of what is wrong.
 
 use super::RunError;
 use super::options::SessionOptions;
