@@ -86,6 +86,10 @@ pub trait Fragment: Send + Sync + std::fmt::Debug {
     /// The linear colour, with straight alpha for [`Blend::Alpha`](super::Blend::Alpha).
     fn shade(&self, pixel: &Pixel<'_>) -> Vec4;
 
+    /// Whether [`shade`](Self::shade) looks at varyings and flats alone: where these are the same, so is the
+    /// colour, and need not be asked for again.
+    const FROM_VARYINGS: bool = false;
+
     /// Whether opaque pixels are shaded by [`shade_lanes`](Self::shade_lanes); compiled only where it is so.
     /// Those whose depth is moved never are.
     const SHADES_LANES: bool = false;

@@ -11,8 +11,9 @@ use fearless_simd::{
     mask32x8, mask32x16, u32x4, u32x8, u32x16,
 };
 
+use super::even_lines;
 use super::frame::BLOCK_SIDE;
-use super::lines::{Line, range};
+use super::line_records::{Line, range};
 use super::setup::{Chunk, unfold};
 use super::tile::{Choice, Tile};
 use super::view::{PixelBox, SUBPIXELS};
@@ -68,20 +69,22 @@ fn some<S: Simd, F: Fragment>(
         let Some(pixels) = pixels.and_then(|pixels| tile.pixels.meet(pixels)) else {
             continue;
         };
-        if fits_lanes(line, pixels) {
+        if !fits_lanes(line, pixels) {
+            by_triangles(kernel, tile, chunk, place);
+        } else if F::FROM_VARYINGS && chunk.lines.are_even() {
+            even_lines::draw(simd, kernel, tile, (chunk, place), line, pixels, counts);
+        } else {
             let brush = Brush::<S, F>::new(simd, kernel, chunk, line, place);
             brush.draw(simd, tile, pixels, counts);
-        } else {
-            by_triangles(kernel, tile, chunk, place);
         }
     }
 }
 
 /// What was done for some lines.
 #[derive(Debug, Default, PartialEq, Eq)]
-struct Counts {
-    visible: u64,
-    covered: u64,
+pub(super) struct Counts {
+    pub(super) visible: u64,
+    pub(super) covered: u64,
 }
 
 #[inline(never)]
@@ -93,7 +96,7 @@ fn by_triangles<F: Fragment>(kernel: &F, tile: &mut Tile<'_, '_>, chunk: &Chunk<
 /// Whether the edge functions of a line stay within 32 bits at all pixels of its box and up to some lanes
 /// beside it, and the box is not much larger than what is covered.
 ///
-/// With sides up to `s` sub-pixels a value is at most `2 s (s + 5 · 256)`, which is less than 2³¹.
+/// With sides up to `s` sub-pixels a value is at most `2 s (s + 17 · 256)`, which is less than 2³¹.
 #[inline(always)]
 fn fits_lanes(line: &Line, pixels: PixelBox) -> bool {
     const LONGEST: i32 = 30_000;
@@ -124,20 +127,33 @@ struct Brush<'b, S: Simd, F> {
     flats: &'b [f32],
 }
 
-const EDGES: usize = 5;
+pub(super) const EDGES: usize = 5;
 /// The edges from r to q, q to p, p to r, s to r and p to s; the one from r to p is the middle one backwards.
-const RQ: usize = 0;
-const QP: usize = 1;
-const PR: usize = 2;
-const SR: usize = 3;
-const PS: usize = 4;
+pub(super) const RQ: usize = 0;
+pub(super) const QP: usize = 1;
+pub(super) const PR: usize = 2;
+pub(super) const SR: usize = 3;
+pub(super) const PS: usize = 4;
 
 /// An edge of a triangle and its function, positive within, in 32 bits.
 #[derive(Debug, Clone, Copy, Default)]
-struct Edge {
+pub(super) struct Edge {
     from: [i32; 2],
     /// The way from there to where it ends.
     along: [i32; 2],
+}
+
+/// The edges of a line.
+#[inline(always)]
+pub(super) fn edges_of(line: &Line) -> [Edge; EDGES] {
+    let [p, q, r, s] = [0, 1, 2, 3];
+    [
+        Edge::of(line, r, q),
+        Edge::of(line, q, p),
+        Edge::of(line, p, r),
+        Edge::of(line, s, r),
+        Edge::of(line, p, s),
+    ]
 }
 
 impl Edge {
@@ -152,7 +168,7 @@ impl Edge {
 
     /// At the centre of a pixel.
     #[inline(always)]
-    fn at(self, x: i32, y: i32) -> i32 {
+    pub(super) fn at(self, x: i32, y: i32) -> i32 {
         let px = x * SUBPIXELS + SUBPIXELS / 2 - self.from[0];
         let py = y * SUBPIXELS + SUBPIXELS / 2 - self.from[1];
         self.along[0] * py - self.along[1] * px
@@ -160,19 +176,19 @@ impl Edge {
 
     /// Gained a pixel to the right.
     #[inline(always)]
-    fn right(self) -> i32 {
+    pub(super) fn right(self) -> i32 {
         -self.along[1] * SUBPIXELS
     }
 
     /// Gained a pixel downwards.
     #[inline(always)]
-    fn down(self) -> i32 {
+    pub(super) fn down(self) -> i32 {
         self.along[0] * SUBPIXELS
     }
 
     /// Nothing on top and left edges, −1 on others.
     #[inline(always)]
-    fn bias(self, sign: i32) -> i32 {
+    pub(super) fn bias(self, sign: i32) -> i32 {
         let [dx, dy] = [self.along[0] * sign, self.along[1] * sign];
         if dy < 0 || (dy == 0 && dx > 0) { 0 } else { -1 }
     }
@@ -221,14 +237,7 @@ impl Affine {
 impl<'b, S: Simd, F: Fragment> Brush<'b, S, F> {
     #[inline(always)]
     fn new(simd: S, kernel: &'b F, chunk: &'b Chunk<'b>, line: &Line, place: usize) -> Self {
-        let [p, q, r, s] = [0, 1, 2, 3];
-        let edges = [
-            Edge::of(line, r, q),
-            Edge::of(line, q, p),
-            Edge::of(line, p, r),
-            Edge::of(line, s, r),
-            Edge::of(line, p, s),
-        ];
+        let edges = edges_of(line);
         let column = i32x16::from_slice(simd, &COLUMN_OF);
         let row = i32x16::from_slice(simd, &ROW_OF);
         let mut gains = [column; EDGES];

@@ -15,43 +15,14 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, dispatch, f64x8};
 
 use super::bin::Grid;
 use super::clip::ClipVertex;
+use super::line_records::{Ends, Line, Lines};
 use super::project::{Onto, TOGETHER, snap as snap_lanes};
 use super::reach::Reach;
 use super::setup::{Chunk, CutVertices, check, widen};
 use super::source::{ALL, PART, Part};
-use super::view::{PixelBox, Projected, SUBPIXELS, View, inverse_w, snap};
+use super::view::{Projected, SUBPIXELS, View, inverse_w, snap};
 use super::{Batch, Blend, Geometry, MAX_VARYINGS, Samples, Topology};
 use crate::math::index_u32;
-
-/// A line on the target, its ends in the order of their vertex ids.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Line {
-    /// The corners of its rectangle, of which p-q-r and p-r-s are counter-clockwise to the eye: the first
-    /// and the last lie at the first end.
-    pub(super) x: [i32; 4],
-    pub(super) y: [i32; 4],
-    /// Depth at the ends.
-    pub(super) depth: [f32; 2],
-    /// One over `w` at the ends.
-    pub(super) inverse_w: [f32; 2],
-    /// The primitive within the part's geometry.
-    pub(super) primitive: u32,
-}
-
-/// The lines of some parts.
-///
-/// A line takes 13 words, those of [`Line`] in their order, and the varyings of its ends, those of the first
-/// before those of the second. After the last line there are [`MAX_VARYINGS`] words more, so that lanes may
-/// read on.
-#[derive(Debug, Default)]
-pub(super) struct Lines {
-    words: Vec<u32>,
-    count: usize,
-    varyings: usize,
-}
-
-/// Words of a [`Line`].
-const WORDS: usize = 13;
 
 /// Lines of a part, one after the other, that may show on a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,13 +76,8 @@ pub(super) fn set_up<'a>(view: &View, batch: &Batch<'a>, [number, part]: [u32; 2
     let parts = batch.geometry.parts(batch.topology);
     let last = parts.min(first + parts_together(batch));
     let varyings = batch.kernel.varyings();
-    let mut lines = Lines {
-        varyings,
-        ..Lines::default()
-    };
-    lines
-        .words
-        .reserve((last - first) * PART * lines.stride() + MAX_VARYINGS);
+    let room = (last - first) * PART;
+    let mut lines = Lines::new(varyings, batch.kernel.flats(), room);
     let (mut kept, mut spare) = (Cow::Owned(Geometry::default()), Geometry::default());
     for part in first..last {
         let Part {
@@ -135,7 +101,7 @@ pub(super) fn set_up<'a>(view: &View, batch: &Batch<'a>, [number, part]: [u32; 2
             spare = geometry;
         }
     }
-    lines.words.extend([0; MAX_VARYINGS]);
+    lines.end();
     Chunk {
         batch: number,
         part,
@@ -147,103 +113,7 @@ pub(super) fn set_up<'a>(view: &View, batch: &Batch<'a>, [number, part]: [u32; 2
     }
 }
 
-impl Line {
-    /// The pixels with a sample within the rectangle's box.
-    #[inline(always)]
-    pub(super) fn pixels(&self, view: &View) -> Option<PixelBox> {
-        view.pixels(range(self.x), range(self.y))
-    }
-}
-
-/// The least and the greatest.
-#[inline(always)]
-pub(super) fn range([a, b, c, d]: [i32; 4]) -> [i32; 2] {
-    [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))]
-}
-
 impl Lines {
-    /// How many there are.
-    #[inline(always)]
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// About how many bytes they take.
-    pub(super) fn bytes(&self) -> u64 {
-        (self.words.len() * size_of::<u32>()) as u64
-    }
-
-    /// Words a line.
-    #[inline(always)]
-    fn stride(&self) -> usize {
-        WORDS + 2 * self.varyings
-    }
-
-    /// One of them; `varyings` says how many floats each end has, as the kernel does.
-    #[inline(always)]
-    pub(super) fn line(&self, place: usize, varyings: usize) -> Line {
-        let words = &self.words[place * (WORDS + 2 * varyings)..][..WORDS];
-        let corner = |first: usize| {
-            [
-                words[first].cast_signed(),
-                words[first + 1].cast_signed(),
-                words[first + 2].cast_signed(),
-                words[first + 3].cast_signed(),
-            ]
-        };
-        let float = |word: usize| f32::from_bits(words[word]);
-        Line {
-            x: corner(0),
-            y: corner(4),
-            depth: [float(8), float(9)],
-            inverse_w: [float(10), float(11)],
-            primitive: words[12],
-        }
-    }
-
-    /// The bits of the varyings of both ends of a line, as many as there can be; those beyond the line's mean
-    /// nothing.
-    #[inline(always)]
-    pub(super) fn varyings(&self, place: usize, varyings: usize) -> [&[u32]; 2] {
-        let first = place * (WORDS + 2 * varyings) + WORDS;
-        [
-            &self.words[first..][..MAX_VARYINGS],
-            &self.words[first + varyings..][..MAX_VARYINGS],
-        ]
-    }
-
-    /// Reads some of them, so that they are at hand soon.
-    #[inline(always)]
-    pub(super) fn fetch(&self, places: Range<usize>) -> u32 {
-        /// Words that come together.
-        const AT_ONCE: usize = 16;
-        let stride = self.stride();
-        let words = self.words.get(places.start * stride..places.end * stride);
-        let words = words.unwrap_or(&[]).iter().step_by(AT_ONCE);
-        words.fold(0, |read, word| read ^ word)
-    }
-
-    #[inline(always)]
-    fn push(&mut self, line: &Line) {
-        let [x, y] = [line.x, line.y];
-        self.words.extend_from_slice(&[
-            x[0].cast_unsigned(),
-            x[1].cast_unsigned(),
-            x[2].cast_unsigned(),
-            x[3].cast_unsigned(),
-            y[0].cast_unsigned(),
-            y[1].cast_unsigned(),
-            y[2].cast_unsigned(),
-            y[3].cast_unsigned(),
-            line.depth[0].to_bits(),
-            line.depth[1].to_bits(),
-            line.inverse_w[0].to_bits(),
-            line.inverse_w[1].to_bits(),
-            line.primitive,
-        ]);
-        self.count += 1;
-    }
-
     /// Where they may show, and the runs of lines on each tile, those of a tile in order; `None` if there
     /// are none.
     pub(super) fn sort(&self, view: &View, grid: Grid) -> Option<(Reach, Vec<Run>)> {
@@ -251,8 +121,8 @@ impl Lines {
         const BACK: usize = 8;
         let mut runs: Vec<Run> = Vec::new();
         let mut reach: Option<Reach> = None;
-        for (place, number) in (0..self.count).zip(0_u16..) {
-            let line = self.line(place, self.varyings);
+        for (place, number) in (0..self.count()).zip(0_u16..) {
+            let line = self.line(place, self.varyings_each());
             let Some(pixels) = line.pixels(view) else {
                 continue;
             };
@@ -423,27 +293,25 @@ impl Builder<'_> {
                 primitive,
             };
             if line.pixels(self.view).is_some() {
-                self.lines.push(&line);
-                self.push_whole(one.corner[lane], other.corner[lane]);
+                let ends = self.whole(one.corner[lane], other.corner[lane]);
+                self.lines.push(&line, &ends);
             }
         }
     }
 
     /// The varyings of a line that is not cut: sums of three with two weights of 0, as cutting has them.
     #[inline(always)]
-    fn push_whole(&mut self, one: u32, other: u32) {
-        let count = self.lines.varyings;
+    fn whole(&self, one: u32, other: u32) -> Ends {
+        let count = self.lines.varyings_each();
         let of = |corner: u32| &self.geometry.varyings[corner as usize * count..][..count];
         let (one, other) = (of(one), of(other));
-        let words = &mut self.lines.words;
-        let first = words.len();
-        words.resize(first + 2 * count, 0);
-        let (from, to) = words[first..].split_at_mut(count);
+        let mut ends = [[0; MAX_VARYINGS]; 2];
         for varying in 0..count.min(MAX_VARYINGS) {
             let (a, b) = (one[varying], other[varying]);
-            from[varying] = (a + b * 0.0 + b * 0.0).to_bits();
-            to[varying] = (a * 0.0 + b + b * 0.0).to_bits();
+            ends[0][varying] = (a + b * 0.0 + b * 0.0).to_bits();
+            ends[1][varying] = (a * 0.0 + b + b * 0.0).to_bits();
         }
+        ends
     }
 
     /// A line that may have to be cut.
@@ -463,16 +331,18 @@ impl Builder<'_> {
         if line.pixels(self.view).is_none() {
             return;
         }
-        self.lines.push(&line);
         let mut cut = CutVertices::default();
-        let count = self.lines.varyings;
+        let count = self.lines.varyings_each();
         for end in &stroke.ends {
             cut.push_end(self.geometry, count, stroke.corners, end);
         }
-        for varyings in &cut.varyings {
-            let bits = varyings[..count].iter().map(|value| value.to_bits());
-            self.lines.words.extend(bits);
+        let mut ends = [[0; MAX_VARYINGS]; 2];
+        for (end, varyings) in ends.iter_mut().zip(&cut.varyings) {
+            for (bits, value) in end.iter_mut().zip(varyings).take(count) {
+                *bits = value.to_bits();
+            }
         }
+        self.lines.push(&line, &ends);
     }
 }
 

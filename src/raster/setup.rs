@@ -6,7 +6,8 @@ use std::sync::Arc;
 use fearless_simd::{Simd, dispatch};
 
 use super::clip::{ClipVertex, MAX_PARTS};
-use super::lines::{Lines, stroke};
+use super::line_records::Lines;
+use super::lines::stroke;
 use super::project::{Projection, TOGETHER};
 use super::reach::{Cover, Reach};
 use super::source::{ALL, PART, Part};

@@ -55,6 +55,7 @@ impl Fragment for LineFragment {
     const VARYINGS: usize = 4;
     const FLATS: usize = 0;
     const TESTS_ALPHA: bool = false;
+    const FROM_VARYINGS: bool = true;
 
     fn keeps(&self, _pixel: &Pixel<'_>) -> bool {
         true

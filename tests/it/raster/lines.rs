@@ -42,6 +42,35 @@ impl Fragment for Glass {
     }
 }
 
+/// A colour that follows from what is interpolated, of which some is negative only where lines are uneven.
+#[derive(Debug)]
+struct Ink;
+
+impl Fragment for Ink {
+    const VARYINGS: usize = 3;
+    const FLATS: usize = 0;
+    const TESTS_ALPHA: bool = false;
+    const FROM_VARYINGS: bool = true;
+
+    fn keeps(&self, _: &Pixel<'_>) -> bool {
+        true
+    }
+
+    fn shade(&self, pixel: &Pixel<'_>) -> Vec4 {
+        let [u, v, t, ..] = *pixel.varyings;
+        Vec4::new(u, v, u * v + t, t)
+    }
+}
+
+/// The same lines, each with the depth, the `w` and the values of its first end at both.
+fn even(lines: &[Ends]) -> Vec<Ends> {
+    let even = |&(from, along, ends, values): &Ends| {
+        let (end, values) = (ends[0].map(f32::abs), values[0].map(f32::abs));
+        (from, along, [end, end], [values, values])
+    };
+    lines.iter().map(even).collect()
+}
+
 const SIDES: [u32; 2] = [150, 70];
 
 /// A line: one end, the way to the other, depths, `w` and what is interpolated.
@@ -187,6 +216,39 @@ crate::support::properties! {
                 prop_assert_eq!(quick[1].visible, works[1].visible);
                 prop_assert!(contents(&other) == expected);
             }
+        }
+    }
+
+    #[test]
+    fn lines_that_are_the_same_from_end_to_end_are_what_their_fragments_are(
+        lines in prop::collection::vec(any_line(), 1..160),
+        mixed in any::<bool>(),
+    ) {
+        let mut all = even(&lines);
+        if mixed {
+            all.extend(&lines[lines.len() / 2..]);
+        }
+        let (drawing, ground) = (drawing(&all), ground());
+        let batches = [
+            ground.batch(Topology::QuadList, &super::Plain),
+            Batch { blend: Blend::Alpha, ..drawing.batch(Topology::LineList, &Ink) },
+        ];
+        let (target, works) = draw(&batches, Samples::One, Machine::THIS, EXACT);
+        let linear = target.linear();
+        let bits = |colour: Vec4| colour.to_array().map(f32::to_bits);
+        for (y, row) in (0..SIDES[1]).zip(linear.chunks(SIDES[0] as usize)) {
+            for (x, colour) in (0..SIDES[0]).zip(row) {
+                if y % 8 < 2 || (x + y) % 5 == 0 {
+                    prop_assert_eq!(bits(*colour), bits(blended(&batches, [x, y])), "{} {}", x, y);
+                }
+            }
+        }
+        let scalar = Machine { instructions: Instructions::Scalar, ..Machine::THIS };
+        let small = Machine { geometry_bytes: 0, ..Machine::THIS };
+        for machine in [scalar, small] {
+            let (other, exact) = draw(&batches, Samples::One, machine, EXACT);
+            prop_assert_eq!(&exact, &works);
+            prop_assert!(contents(&other) == contents(&target));
         }
     }
 }
