@@ -80,7 +80,7 @@ pub(super) fn draw<S: Simd, F: Fragment>(
         let mut x = pixels.first[0];
         while x <= pixels.last[0] {
             let columns = (1_u64 << (pixels.last[0] - x + 1).min(width)) - 1;
-            let wanted = columns * FIRST_COLUMN[shape as usize % 5] & within;
+            let wanted = (columns * FIRST_COLUMN[shape as usize % 5]) & within;
             let covered = covered(simd, &edges, &gains, biases, [x, y]) & wanted;
             counts.covered += u64::from(covered.count_ones());
             let first = tile.index(x, y);

@@ -62,7 +62,11 @@ fn near_far_walk(
         walked.device.take_ledger();
         walked.commit(state);
         let sent = walked.device.take_ledger().upload.payload_bytes;
-        assert_eq!((sent, walked.resident.state()), (price, state));
+        assert_eq!(
+            (sent, walked.resident.state()),
+            (price, state),
+            "a price and a state"
+        );
         let fresh = &mut stage(state, SIDE);
         tally.count(Law::Residency, residency(&mut walked, fresh))?;
     }

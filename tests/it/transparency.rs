@@ -168,7 +168,7 @@ fn the_study_holds_ways_against_the_truth() {
     assert_eq!(of("peeled, 16 layers").passes, 1 + 16 + 1);
     let alone = Scene {
         grove: None,
-        ..scene.clone()
+        ..scene
     };
     let none = transparency_looks(&alone, &world, &options, &Silent).expect("nothing is drawn");
     assert!(none.is_empty());

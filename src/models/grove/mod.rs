@@ -237,7 +237,7 @@ impl Grove {
             _ => None,
         };
         Ok(ResidentGrove {
-            veil: Veil::new(device, &self.choice, frame)?,
+            veil: Veil::new(device, self.choice, frame)?,
             range,
             grove: Arc::clone(self),
             environment: *environment,

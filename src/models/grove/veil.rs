@@ -56,7 +56,7 @@ impl Veil {
     /// What a choice needs of a device whose frame has this target.
     pub(super) fn new(
         device: &mut Device,
-        choice: &GroveChoice,
+        choice: GroveChoice,
         frame: TargetId,
     ) -> Result<Self, GpuError> {
         let frame = device.inspect_target(frame)?;
