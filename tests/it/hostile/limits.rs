@@ -103,7 +103,7 @@ fn counts_of_a_scene_are_limited() {
         (
             trees(limits::SCENE_TREES),
             trees(limits::SCENE_TREES + 1),
-            "found 10001 tables, wanted 1 to 10000",
+            "found 20001 tables, wanted 1 to 20000",
         ),
         (
             frames(limits::SCENE_FRAMES),
