@@ -35,7 +35,7 @@ goldens! {
         octahedral_sphere sprites
     }
     digest { walk_cluster walk_slots walk_stamps yew }
-    forest { hill }
+    forest { hill near_far }
     full { flattened four_samples resident }
     grove { coverage hashed moments naive patches peeled sorted weighted }
     lodf {
