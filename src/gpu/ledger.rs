@@ -181,6 +181,13 @@ pub struct Ledger {
 }
 
 impl Ledger {
+    /// The modelled time of what was drawn: uploads, fetches, then the card; `None` where the card's was not
+    /// modelled. What was read back comes on top.
+    #[must_use]
+    pub fn frame_ticks(&self) -> Option<Ticks> {
+        Some(self.upload.ticks + self.fetch.ticks + self.gpu_ticks?)
+    }
+
     /// The sums of one stream.
     #[must_use]
     pub fn stream(&self, stream: Stream) -> &Traffic {

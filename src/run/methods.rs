@@ -12,7 +12,7 @@ use super::options::SessionOptions;
 use super::progress::Progress;
 use super::session::Session;
 use super::world::World;
-use crate::gpu::{Ledger, nanoseconds};
+use crate::gpu::nanoseconds;
 use crate::models::{Kind, Storage, TrunkKind};
 use crate::raster::Image;
 use crate::scene::{Scene, Shadow, TrunkMode, TrunkName};
@@ -150,7 +150,8 @@ fn measure(
         (after.0.frame, beyond)
     });
     let storage = storage(world, method, options);
-    let frame_ns = ends.map(|end| end.and_then(|(frame, _)| frame_ns(&frame.ledger)));
+    let frame_ns =
+        ends.map(|end| end.and_then(|(frame, _)| frame.ledger.frame_ticks().map(nanoseconds)));
     Ok(MethodFound {
         method,
         detail: ends.map(|end| end.map_or(0.0, |(one, full)| difference(&one.image, &full.image))),
@@ -224,13 +225,6 @@ fn shadow_pixels(
             .count() as u64)
     };
     Ok(Some([count(0)?, count(scene.frames - 1)?]))
-}
-
-/// Uploads, fetches, then the card.
-fn frame_ns(frame: &Ledger) -> Option<u64> {
-    Some(nanoseconds(
-        frame.upload.ticks + frame.fetch.ticks + frame.gpu_ticks?,
-    ))
 }
 
 /// The mean difference of two pictures of one size, over pixels and channels.

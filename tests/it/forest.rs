@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
-use spinney::document::Document;
 use spinney::models::Placement;
 use spinney::run::{Frame, Session, SessionOptions, Silent, World};
-use spinney::scene::{PlantSource, Scene, SceneFile, to_toml};
+use spinney::scene::{PlantSource, Scene, to_toml};
+
+use crate::support::parse_wood;
 
 /// Three species, four trees of each, and one tree beside them.
 const SCENE: &str = r##"schema = "spinney.scene/1"
@@ -44,17 +45,8 @@ d_min = 4.0
 d_max = 45.0
 "##;
 
-fn parse(text: &str) -> Result<Scene, String> {
-    let document = Document {
-        file: "wood.toml".to_owned(),
-        text: text.to_owned(),
-    };
-    let read = SceneFile::parse(document).map(|file| file.scene);
-    read.map_err(|error| error.to_string())
-}
-
 fn scene() -> Scene {
-    parse(SCENE).expect("a sound scene")
+    parse_wood(SCENE).expect("a sound scene")
 }
 
 /// The scene's species as files.
@@ -112,13 +104,13 @@ fn a_forest_is_the_same_trees_one_by_one() {
 fn a_resolved_forest_reads_back_equal() {
     let folder = species();
     let mut forest = scene();
-    assert_eq!(parse(&to_toml(&forest)), Ok(forest.clone()));
+    assert_eq!(parse_wood(&to_toml(&forest)), Ok(forest.clone()));
     let built = world(&forest, folder.path());
     let digests: Vec<_> = built.crowns.iter().map(|c| c.plant().digest()).collect();
     let question = forest.digest();
     forest.pin_plants(|tree| Some(digests[built.trees[tree].crown]));
     assert_eq!(forest.digest(), question, "plants are an answer");
-    let again = parse(&to_toml(&forest)).expect("sound");
+    let again = parse_wood(&to_toml(&forest)).expect("sound");
     assert_eq!(again, forest);
     for (tree, standing) in again.standing_trees().iter().zip(&built.trees) {
         assert_eq!(tree.plant_digest, Some(digests[standing.crown]));
@@ -137,7 +129,7 @@ fn a_resolved_forest_reads_back_equal() {
         ("cells = 10", "cells = 9"),
         ("\"c.toml\"]", "\"d.toml\"]"),
     ] {
-        let changed = parse(&SCENE.replace(from, to)).expect("sound");
+        let changed = parse_wood(&SCENE.replace(from, to)).expect("sound");
         assert_ne!(changed.digest(), question, "{to}");
     }
 }
@@ -211,16 +203,16 @@ fn forests_that_cannot_be_are_refused_where_it_stands() {
             "20:9: `terrain.cells`: found 1025, wanted an integer from 1 to 1024",
         ),
     ] {
-        let found = parse(&SCENE.replace(from, to)).expect_err(to);
+        let found = parse_wood(&SCENE.replace(from, to)).expect_err(to);
         assert!(found.contains(message), "{found}");
     }
     let nobody = "schema = \"spinney.scene/1\"\n[camera]\npath = []\n";
-    let found = parse(nobody).expect_err("no tree");
+    let found = parse_wood(nobody).expect_err("no tree");
     assert!(
         found.contains("`tree`: found nothing, wanted a [[tree]] or a [[forest]]"),
         "{found}"
     );
     // One species needs no list.
-    let alone = parse(&SCENE.replace("[\"a.toml\", \"b.toml\", \"c.toml\"]", "\"a.toml\""));
+    let alone = parse_wood(&SCENE.replace("[\"a.toml\", \"b.toml\", \"c.toml\"]", "\"a.toml\""));
     assert_eq!(alone.expect("sound").standing_trees().len(), 5);
 }

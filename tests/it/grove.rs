@@ -3,15 +3,14 @@
 
 use std::path::Path;
 
-use spinney::document::Document;
 use spinney::gpu::Stream;
 use spinney::math::{Mat4, Vec3};
 use spinney::models::GroveView;
 use spinney::raster::Image;
 use spinney::run::{Frame, Session, SessionOptions, Silent, World};
-use spinney::scene::{
-    GroveBlend, GroveChoice, GroveOrder, GrovePacking, Scene, SceneFile, to_toml,
-};
+use spinney::scene::{GroveBlend, GroveChoice, GroveOrder, GrovePacking, Scene, to_toml};
+
+use crate::support::parse_wood;
 
 const SCENE: &str = r##"schema = "spinney.scene/1"
 size = [96, 64]
@@ -51,17 +50,8 @@ levels = 4
 card = "gtx770"
 "##;
 
-fn parse(text: &str) -> Result<Scene, String> {
-    let document = Document {
-        file: "wood.toml".to_owned(),
-        text: text.to_owned(),
-    };
-    let read = SceneFile::parse(document).map(|file| file.scene);
-    read.map_err(|error| error.to_string())
-}
-
 pub(super) fn scene() -> Scene {
-    parse(SCENE).expect("a sound scene")
+    parse_wood(SCENE).expect("a sound scene")
 }
 
 pub(super) fn world(scene: &Scene) -> World {
@@ -232,7 +222,7 @@ fn levels_follow_the_distance() {
 fn trees_of_patches_stand_alone_too() {
     let scene = scene();
     let text = to_toml(&scene);
-    assert_eq!(parse(&text).as_ref(), Ok(&scene));
+    assert_eq!(parse_wood(&text).as_ref(), Ok(&scene));
     let alone = Scene {
         grove: None,
         ..scene.clone()
@@ -262,7 +252,7 @@ fn wrong_groves_are_refused() {
     let refused = |from: &str, to: &str| {
         let text = SCENE.replace(from, to);
         assert_ne!(text, SCENE);
-        parse(&text).expect_err("a wrong scene")
+        parse_wood(&text).expect_err("a wrong scene")
     };
     let found = refused("trunk = \"branches\"", "trunk = \"full\"");
     assert!(found.contains("`model.trunk` is \"branches\""), "{found}");

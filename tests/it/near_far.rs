@@ -4,16 +4,15 @@ use std::sync::Arc;
 
 use proptest::collection::vec;
 use proptest::prelude::{Just, Strategy as _, any, prop_oneof, proptest};
-use spinney::document::Document;
 use spinney::models::{CardLevel, Kind, ModelOptions, Placement, State};
 use spinney::run::{Session, SessionOptions, StandingTree, World};
-use spinney::scene::{CardCounts, CardMode, CardOptions, DetailRange, FarCards, Scene, SceneFile};
+use spinney::scene::{CardCounts, CardMode, CardOptions, DetailRange, FarCards, Scene};
 use spinney::testkit::laws::residency;
 use spinney::testkit::strategy::{self, WalkOptions};
 use spinney::testkit::{DeviceModel as _, Law, Tally, TreeWalk, Violation, check_end};
 
 use crate::model_contracts::{Contracts, SIDE, config};
-use crate::support::{Cases, OPTIONS, Stage, StageExt as _, descriptor, random_crown};
+use crate::support::{Cases, OPTIONS, Stage, StageExt as _, descriptor, parse_wood, random_crown};
 
 /// One walk of leaves near by and cards far away, through states of both: residency and prices at every step,
 /// the image and the ledger at the end; leaves look as without cards.
@@ -130,15 +129,6 @@ from = 30
 to = 60
 "##;
 
-fn parse(text: &str) -> Result<Scene, String> {
-    let document = Document {
-        file: "wood.toml".to_owned(),
-        text: text.to_owned(),
-    };
-    let read = SceneFile::parse(document).map(|file| file.scene);
-    read.map_err(|error| error.to_string())
-}
-
 /// The state of the only tree in every frame of the path, and back to the first.
 fn there_and_back(scene: &Scene) -> Vec<State> {
     let crown = random_crown(3, 12, 2);
@@ -167,7 +157,7 @@ fn shows_cards(states: &[State]) -> Vec<bool> {
 /// Leaves near by, cards from where the scene says, coarser ones farther away; the same on the way back.
 #[test]
 fn distance_decides_between_leaves_and_cards() {
-    let scene = parse(SCENE).expect("a sound scene");
+    let scene = parse_wood(SCENE).expect("a sound scene");
     let states = there_and_back(&scene);
     let shown = shows_cards(&states);
     // The eye moves by 8 metres a frame from 8 on; the crown's centre is within 2 metres of the axis.
@@ -189,7 +179,9 @@ fn distance_decides_between_leaves_and_cards() {
 #[test]
 fn hysteresis_holds_what_stands() {
     let banded = SCENE.replace("d_max = 30", "d_max = 30\nhysteresis = 0.4");
-    let shown = shows_cards(&there_and_back(&parse(&banded).expect("a sound scene")));
+    let shown = shows_cards(&there_and_back(
+        &parse_wood(&banded).expect("a sound scene"),
+    ));
     let out = shown[..9].iter().filter(|cards| **cards).count();
     let back = shown[9..].iter().filter(|cards| **cards).count();
     assert!(out < back, "{shown:?}");
@@ -200,7 +192,7 @@ fn wrong_far_cards_are_refused() {
     let refused = |from: &str, to: &str| {
         let text = SCENE.replace(from, to);
         assert_ne!(text, SCENE);
-        parse(&text).expect_err("a wrong scene")
+        parse_wood(&text).expect_err("a wrong scene")
     };
     let found = refused("mode = \"stamps\"", "mode = \"device\"");
     assert!(

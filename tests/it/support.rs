@@ -428,6 +428,16 @@ d_max = 32.0
 card = "gtx770"
 "#;
 
+/// A scene by its text, as if it stood in `wood.toml`; else what is wrong with it.
+pub(crate) fn parse_wood(text: &str) -> Result<Scene, String> {
+    let document = Document {
+        file: "wood.toml".to_owned(),
+        text: text.to_owned(),
+    };
+    let read = SceneFile::parse(document).map(|file| file.scene);
+    read.map_err(|error| error.to_string())
+}
+
 /// The scene of two birches.
 pub(crate) fn birch_scene() -> Scene {
     let document = Document {

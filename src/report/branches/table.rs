@@ -53,7 +53,7 @@ pub fn branch_level_table(report: &BranchReport) -> Table {
                 StudyWay::Pruning => Cell::Missing,
             },
             Cell::Count(look.frame.draws),
-            frame_ns(&look.frame).map_or(Cell::Missing, Cell::Count),
+            (look.frame.frame_ticks().map(nanoseconds)).map_or(Cell::Missing, Cell::Count),
         ]
     };
     Table {
@@ -139,13 +139,6 @@ pub fn branch_step_table(report: &BranchReport) -> Table {
         columns: columns.into_iter().map(Column::numbers).collect(),
         rows: report.steps.iter().map(row).collect(),
     }
-}
-
-/// Modelled time of a frame, in nanoseconds: uploads, fetches, then the card.
-fn frame_ns(frame: &Ledger) -> Option<u64> {
-    Some(nanoseconds(
-        frame.upload.ticks + frame.fetch.ticks + frame.gpu_ticks?,
-    ))
 }
 
 /// Everything for a terminal of so many columns; of the steps the worst.

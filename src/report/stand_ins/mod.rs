@@ -217,8 +217,7 @@ impl StandInMeter {
 
 /// Modelled time of one of so many frames, in nanoseconds: uploads, fetches, then the card.
 pub(super) fn frame_ns(frames: &Ledger, count: u64) -> Option<u64> {
-    let ticks = frames.upload.ticks + frames.fetch.ticks + frames.gpu_ticks?;
-    Some(nanoseconds(ticks) / count.max(1))
+    Some(nanoseconds(frames.frame_ticks()?) / count.max(1))
 }
 
 /// A look's entry in `stand-ins.json`; fields in the order of the file.

@@ -79,8 +79,7 @@ pub fn transparency_table(looks: &[TransparencyLook]) -> Table {
 
 /// Modelled time of a frame, in nanoseconds: transfers both ways, fetches, then the card.
 fn frame_ns(frame: &Ledger) -> Option<u64> {
-    let bus = frame.upload.ticks + frame.readback.ticks + frame.fetch.ticks;
-    Some(nanoseconds(bus + frame.gpu_ticks?))
+    Some(nanoseconds(frame.frame_ticks()? + frame.readback.ticks))
 }
 
 /// The table for a terminal of so many columns.
