@@ -70,6 +70,7 @@ pub(super) fn run(
             frames: frames.clone(),
             layers: options.layers,
             popping: options.popping,
+            exact: prepared.options.raster.counters == Counters::Exact,
         })?;
     }
     let mut meter = match options.popping {

@@ -74,6 +74,8 @@ pub(super) fn sweep(
         let looks = options.quality.then_some(options.quality_steps);
         let share = SweepShare {
             shard,
+            scene_digest: prepared.scene.digest(),
+            exact: prepared.options.raster.counters == Counters::Exact,
             steps: options.steps,
             looks,
         };

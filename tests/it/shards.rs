@@ -135,6 +135,37 @@ fn what_does_not_belong_together_is_refused() {
 }
 
 #[test]
+fn shards_of_scenes_that_cost_the_same_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = std::fs::read_to_string(folder.join("scene.toml")).expect("text");
+    // Neither sends a byte more or less, and the scene is called the same.
+    let moved = scene.replace("eye = [0.0, 1.2, 3.0]", "eye = [0.0, 1.2, 4.0]");
+    assert_ne!(scene, moved);
+    std::fs::create_dir(folder.join("moved")).expect("writable");
+    std::fs::create_dir(folder.join("moved/below")).expect("writable");
+    std::fs::write(folder.join("moved/below/shrub.toml"), shrub(300, 9)).expect("writable");
+    std::fs::write(folder.join("moved/scene.toml"), moved).expect("writable");
+    let flags = "--steps 3 --models lodf-stamps --shard";
+    done(folder, &format!("sweep scene.toml {flags} 0/2 -o s0"));
+    for other in ["moved/scene.toml", "scene.toml --counters visible"] {
+        done(folder, &format!("sweep {other} {flags} 1/2 -o s1"));
+        let said = refused(folder, "merge s0 s1 -o joined");
+        assert!(
+            said.contains("s1") && said.contains("from another scene or with other flags"),
+            "{other}: {said}"
+        );
+    }
+    // A run whose counters differ.
+    let run = "run scene.toml --frames 0..2";
+    done(folder, &format!("{run} --shard 0/2 -o s0"));
+    done(folder, &format!("{run} --shard 1/2 -o s1 --counters exact"));
+    let said = refused(folder, "merge s0 s1 -o joined");
+    assert!(said.contains("or with other flags"), "{said}");
+    assert!(!folder.join("joined").exists());
+}
+
+#[test]
 fn files_that_are_missing_from_a_shard_are_a_fault_of_the_input() {
     let folder = folder();
     let folder = folder.path();

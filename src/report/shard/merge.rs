@@ -60,6 +60,7 @@ pub fn merge(
             frames,
             layers,
             popping: _,
+            exact: _,
         } => {
             let target = target(&header.scene, false);
             let run = RunJob {
@@ -72,6 +73,8 @@ pub fn merge(
         }
         Job::Sweep {
             header,
+            scene_digest: _,
+            exact: _,
             steps,
             looks,
             models,

@@ -63,10 +63,16 @@ enum Job {
         layers: bool,
         /// Whether frames tell of their popping.
         popping: bool,
+        /// Whether everything was rasterized and counted.
+        exact: bool,
     },
     /// The steps `0..=steps` of a walk.
     Sweep {
         header: SweepHeader,
+        /// As [`SweepShare::scene_digest`].
+        scene_digest: Digest,
+        /// Whether everything was rasterized and counted.
+        exact: bool,
         steps: u32,
         /// How many levels were looked at beyond full detail, if any were.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -113,6 +119,7 @@ impl RunShard {
             frames: share.frames.clone(),
             layers: share.layers,
             popping: share.popping,
+            exact: share.exact,
         };
         file.add(&Head::line(share.shard, job))?;
         Ok(Self(file))
@@ -138,6 +145,8 @@ pub struct RunShare {
     pub layers: bool,
     /// Whether frames tell of their popping.
     pub popping: bool,
+    /// Whether everything is rasterized and counted, or architectural counters only.
+    pub exact: bool,
 }
 
 /// Which share of a walk is drawn.
@@ -145,6 +154,11 @@ pub struct RunShare {
 pub struct SweepShare {
     /// Which steps.
     pub shard: Shard,
+    /// The digest of the scene with the flags' changes and the digests of its plants: what tells
+    /// apart scenes of one name that cost the same.
+    pub scene_digest: Digest,
+    /// Whether everything is rasterized and counted, or architectural counters only.
+    pub exact: bool,
     /// The last step of all shards together.
     pub steps: u32,
     /// How many levels all shards look at beyond full detail, if any.
@@ -170,11 +184,15 @@ pub fn write_sweep_shard(
     };
     let SweepShare {
         shard,
+        scene_digest,
+        exact,
         steps,
         looks,
     } = share;
     let job = Job::Sweep {
         header: header.clone(),
+        scene_digest,
+        exact,
         steps,
         looks,
         models: sweep.models.iter().map(without_steps).collect(),

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use spinney::gpu::{Card, Link};
+use spinney::math::Digest;
 use spinney::models::{Kind, TrunkKind};
 use spinney::report::{
     Accounting, OutputFolder, PrintedSize, QualityMeter, QualitySummary, StorageReport,
@@ -251,6 +252,8 @@ fn joined_shards_tell_of_the_levels_what_all_tell() {
         if let Some(shard) = shard {
             let share = SweepShare {
                 shard,
+                scene_digest: Digest([7; 32]),
+                exact: true,
                 steps: 4,
                 looks: Some(1),
             };
@@ -378,6 +381,8 @@ fn own_trunks_and_quantised_vertices_are_judged_by_pictures_of_their_own() {
         if shard != Shard::WHOLE {
             let share = SweepShare {
                 shard,
+                scene_digest: Digest([7; 32]),
+                exact: true,
                 steps: 2,
                 looks: Some(2),
             };
