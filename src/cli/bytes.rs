@@ -10,6 +10,7 @@ use crate::models::{Kind, LeafFormat, TrunkKind};
 use crate::raster::Counters;
 use crate::report::{ByteReport, OutputFolder, bytes_json, bytes_text, write_bytes};
 use crate::run::{self, ByteOptions, Variant};
+use crate::scene::to_toml;
 
 /// The links where none is asked for: the papers' bus and a new one.
 const LINKS: [&str; 2] = ["agp8x", "pcie5x16"];
@@ -48,6 +49,7 @@ pub(super) fn bytes(
     }
     drop(progress);
     let report = ByteReport {
+        resolved: to_toml(&prepared.scene),
         scene: prepared.scene.name,
         steps: options.steps,
         links,

@@ -12,10 +12,11 @@ use crate::gpu::Card;
 use crate::models::{Kind, TrunkKind};
 use crate::raster::Counters;
 use crate::report::{
-    OutputFolder, QualityMeter, SweepHeader, SweepQuality, SweepShare, sweep_json, sweep_text,
-    write_sweep, write_sweep_shard,
+    OutputFolder, QualityMeter, SweepHeader, SweepPictures, SweepQuality, SweepShare, sweep_json,
+    sweep_text, write_sweep, write_sweep_shard,
 };
 use crate::run::{self, LookOptions, Shard, Sweep, Variant};
+use crate::scene::to_toml;
 
 pub(super) fn sweep(
     options: &SweepOptions,
@@ -42,6 +43,7 @@ pub(super) fn sweep(
         scene: prepared.scene.name.clone(),
         link: prepared.options.link,
         card: prepared.options.card,
+        resolved: to_toml(&prepared.scene),
     };
     let shard = options.drawing.shard.unwrap_or(Shard::WHOLE);
     let walk = run::SweepOptions {
@@ -50,7 +52,9 @@ pub(super) fn sweep(
         shard,
         session: prepared.options,
     };
-    let sweep = run::sweep(&prepared.scene, &prepared.world, &walk, &progress)?;
+    let mut pictures = SweepPictures::default();
+    let see = |at, frame: &run::Frame| -> Result<(), CliError> { Ok(pictures.add(at, frame)?) };
+    let sweep = run::sweep_seen(&prepared.scene, &prepared.world, &walk, &progress, see)?;
     let quality = match options.quality {
         false => None,
         true => {
@@ -69,7 +73,7 @@ pub(super) fn sweep(
     };
     drop(progress);
     let quality = quality.as_ref();
-    write_sweep(&output, &header, &sweep, quality)?;
+    write_sweep(&output, &header, &sweep, quality, &pictures)?;
     if let Some(shard) = options.drawing.shard {
         let looks = options.quality.then_some(options.quality_steps);
         let share = SweepShare {
@@ -79,7 +83,7 @@ pub(super) fn sweep(
             steps: options.steps,
             looks,
         };
-        write_sweep_shard(&output, &header, share, &sweep, quality)?;
+        write_sweep_shard(&output, &header, share, &sweep, quality, &pictures)?;
     }
     output.commit()?;
     closing(&header, &sweep, quality, &target, shared, terminal)

@@ -34,6 +34,7 @@ mod run;
 mod scatter;
 mod shard;
 mod sheet;
+mod stack;
 mod staging;
 mod stand_ins;
 mod storage;
@@ -59,7 +60,7 @@ pub use diff::{
 };
 pub use file::write_file;
 pub use folder::{MARKER, OutputFolder};
-pub use html::{Page, PageImage, Section};
+pub use html::{Choice, Comparison, Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
 pub use number::{decimal, grouped, hundredths};
 pub use paint::{
@@ -79,6 +80,7 @@ pub use run::{
 };
 pub use scatter::{Panel, Point, Scatter, Thing};
 pub use shard::{Merged, RunShare, SHARD_SCHEMA, SweepShare, merge, write_sweep_shard};
+pub use stack::{Stack, StackLayer};
 pub use stand_ins::{
     Crossover, EqualDirect, STAND_IN_SCHEMA, StandInHeader, StandInMeter, StandInQuality,
     StandInReport, StepChange, SwitchQuality, TextureQuality, TextureReport, crossover,
@@ -90,8 +92,9 @@ pub use storage::{
     TrunkStorage, is_paper_tree, storage_report,
 };
 pub use sweep::{
-    SWEEP_SCHEMA, SweepHeader, quality_notes, quality_plots, quality_table, sweep_csv, sweep_json,
-    sweep_markdown, sweep_notes, sweep_page, sweep_plots, sweep_table, sweep_text, write_sweep,
+    SWEEP_SCHEMA, SweepHeader, SweepPictures, quality_notes, quality_plots, quality_table,
+    sweep_csv, sweep_json, sweep_markdown, sweep_notes, sweep_page, sweep_plots, sweep_table,
+    sweep_text, write_sweep,
 };
 pub use table::{Align, Cell, Column, Table, csv_row};
 pub use transparency::{transparency_table, transparency_text, write_transparency};

@@ -170,7 +170,7 @@ pub(super) fn style() -> String {
          .spinney-plot text{{fill:#24292f}}.spinney-plot .grid{{stroke:#24292f;stroke-opacity:.15}}\
          .spinney-plot .axis{{stroke:#24292f;stroke-opacity:.6;fill:none}}{}\
          .spinney-plot .line{{fill:none;stroke-width:1.8;stroke-linejoin:round}}\
-         @media(prefers-color-scheme:dark){{.spinney-plot .ground{{fill:#15181c}}\
+         @media screen and (prefers-color-scheme:dark){{.spinney-plot .ground{{fill:#15181c}}\
          .spinney-plot text{{fill:#dde3ea}}.spinney-plot .grid,.spinney-plot .axis{{stroke:#dde3ea}}{}\
          .spinney-plot .line{{fill:none}}}}</style>\n",
         colors(false),

@@ -3,6 +3,19 @@
 use super::{Picture, ReportError};
 use crate::math::{det, whole_u32};
 
+/// The longer side of a picture on a page, in pixels, at most.
+pub(super) const SIDE: u32 = 640;
+
+/// A picture as it stands on a page: smaller by a whole factor, if it is too large.
+///
+/// # Errors
+///
+/// None for a picture.
+pub(super) fn small(picture: &Picture) -> Result<Picture, ReportError> {
+    let side = picture.width().max(picture.height());
+    shrink(picture, side.div_ceil(SIDE))
+}
+
 /// A picture with both sides divided by `factor`, rounded up: each pixel is the mean, in linear light,
 /// of the up to `factor × factor` pixels that it stands for, weighted by their alpha.
 ///

@@ -1,6 +1,7 @@
 //! Walking the axis of detail: every model from full detail to the coarsest in equal steps.
 
 use super::RunError;
+use super::frame::Frame;
 use super::options::SessionOptions;
 use super::progress::Progress;
 use super::selector::Selector;
@@ -365,6 +366,21 @@ pub fn sweep(
     options: &SweepOptions,
     progress: &dyn Progress,
 ) -> Result<Sweep, RunError> {
+    sweep_seen(scene, world, options, progress, |_, _| Ok(()))
+}
+
+/// Walks as [`sweep()`] does, and shows `see` every frame that is drawn, with its step and the last one.
+///
+/// # Errors
+///
+/// As [`sweep()`], and what `see` answers.
+pub fn sweep_seen<E: From<RunError>>(
+    scene: &Scene,
+    world: &World,
+    options: &SweepOptions,
+    progress: &dyn Progress,
+    mut see: impl FnMut([u32; 2], &Frame) -> Result<(), E>,
+) -> Result<Sweep, E> {
     let mut models = Vec::new();
     // What is measured depends on the leaves alone, which all models of a simplification share.
     let foliage = (Kind::LodfCluster, TrunkKind::FULL);
@@ -384,61 +400,83 @@ pub fn sweep(
         progress.begin(&variant.label(), u64::from(options.steps) + 1);
         let pruned = pruned.as_ref().filter(|_| variant.pruned);
         let (world, measures) = pruned.unwrap_or(&usual);
-        models.push(walk(scene, world, options, variant, measures, progress)?);
+        let walked = Walk {
+            scene,
+            world,
+            options,
+            measures,
+        };
+        models.push(walked.model(variant, progress, &mut see)?);
     }
     Ok(Sweep { models })
 }
 
-fn walk(
-    scene: &Scene,
-    world: &World,
-    options: &SweepOptions,
-    variant: Variant,
-    measures: &[(f64, u64)],
-    progress: &dyn Progress,
-) -> Result<SweepModel, RunError> {
-    let session_options = variant.session(&options.session);
-    let finest = finest(scene);
-    let mut session = Session::new(&finest, world, &session_options)?;
-    let initial = session.initial().clone();
-    let resident = session.device().resident_by_label();
-    let mut steps = Vec::new();
-    for step in 0..=options.steps {
-        let kinds = (variant.kind, session_options.trunk);
-        let at = [step, options.steps];
-        let states = states_at(scene, world, session_options.size, kinds, at);
-        let change = session.commit_states(&states)?;
-        if !options.shard.draws(step) {
-            session.forget(0)?;
-            continue;
+/// What the models of a simplification walk through.
+struct Walk<'w> {
+    scene: &'w Scene,
+    world: &'w World,
+    options: &'w SweepOptions,
+    /// Area and folded leaves at each step.
+    measures: &'w [(f64, u64)],
+}
+
+impl Walk<'_> {
+    fn model<E: From<RunError>>(
+        &self,
+        variant: Variant,
+        progress: &dyn Progress,
+        see: &mut impl FnMut([u32; 2], &Frame) -> Result<(), E>,
+    ) -> Result<SweepModel, E> {
+        let Self {
+            scene,
+            world,
+            options,
+            measures,
+        } = *self;
+        let session_options = variant.session(&options.session);
+        let finest = finest(scene);
+        let mut session = Session::new(&finest, world, &session_options)?;
+        let initial = session.initial().clone();
+        let resident = session.device().resident_by_label();
+        let mut steps = Vec::new();
+        for step in 0..=options.steps {
+            let kinds = (variant.kind, session_options.trunk);
+            let at = [step, options.steps];
+            let states = states_at(scene, world, session_options.size, kinds, at);
+            let change = session.commit_states(&states)?;
+            if !options.shard.draws(step) {
+                session.forget(0)?;
+                continue;
+            }
+            let frame = session.draw(0, change)?;
+            see(at, &frame)?;
+            let (leaf_area, folded_leaves) = match variant.kind.has_levels() {
+                true => measures[step as usize],
+                false => measures[0],
+            };
+            steps.push(SweepStep {
+                step,
+                of: options.steps,
+                leaves: frame.leaves,
+                triangles: frame.triangles,
+                trunk_triangles: frame.trunk_triangles,
+                change: change.foliage,
+                trunk_change: change.trunk,
+                ledger: frame.ledger,
+                image_digest: frame.image_digest,
+                covered_pixels: session.covered_pixels(),
+                leaf_area,
+                folded_leaves,
+            });
+            progress.step();
         }
-        let frame = session.draw(0, change)?;
-        let (leaf_area, folded_leaves) = match variant.kind.has_levels() {
-            true => measures[step as usize],
-            false => measures[0],
-        };
-        steps.push(SweepStep {
-            step,
-            of: options.steps,
-            leaves: frame.leaves,
-            triangles: frame.triangles,
-            trunk_triangles: frame.trunk_triangles,
-            change: change.foliage,
-            trunk_change: change.trunk,
-            ledger: frame.ledger,
-            image_digest: frame.image_digest,
-            covered_pixels: session.covered_pixels(),
-            leaf_area,
-            folded_leaves,
-        });
-        progress.step();
+        Ok(SweepModel {
+            variant,
+            initial,
+            resident,
+            steps,
+        })
     }
-    Ok(SweepModel {
-        variant,
-        initial,
-        resident,
-        steps,
-    })
 }
 
 /// The scene as a walk begins: at full detail, whatever the distance.

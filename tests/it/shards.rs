@@ -79,6 +79,17 @@ fn joined_shards_of_a_sweep_are_the_sweep() {
     }
     done(folder, "merge s0 s1 -o joined");
     assert_same(&folder.join("whole"), &folder.join("joined"));
+    // The pictures of the page come from the shards, and must be those that were written.
+    let pictures = std::fs::read_dir(folder.join("s1/pictures")).expect("a folder");
+    let pictures = pictures.map(|entry| entry.expect("readable").path());
+    let pictures: Vec<_> = pictures.collect();
+    assert_eq!(pictures.len(), 2, "levels 1 and 3, the same for all models");
+    std::fs::copy(&pictures[0], &pictures[1]).expect("writable");
+    let said = refused(folder, "merge s0 s1 -o other");
+    assert!(
+        said.contains("not the picture that was written there"),
+        "{said}"
+    );
     // More shards than steps: one draws nothing.
     for shard in 0..6 {
         done(folder, &format!("{sweep} -o s{shard} --shard {shard}/6"));

@@ -237,6 +237,7 @@ pub fn bytes_page(report: &ByteReport) -> Result<String, ReportError> {
             }
         }
     }
+    sections.extend(Section::scene(&report.resolved));
     Page {
         title: format!("{}: the bytes of every model", report.scene),
         sections,

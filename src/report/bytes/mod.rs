@@ -24,6 +24,9 @@ pub use files::{BYTES_SCHEMA, bytes_csv, bytes_json, bytes_page, write_bytes};
 pub use plots::bytes_plots;
 pub use table::{bytes_markdown, bytes_text};
 
+pub(super) use plots::color;
+pub(super) use sums::dominates;
+
 use crate::gpu::Link;
 use crate::run::PlantBytes;
 
@@ -38,4 +41,6 @@ pub struct ByteReport {
     pub links: Vec<Link>,
     /// The plants, in the order of the scene.
     pub plants: Vec<PlantBytes>,
+    /// The scene as a scene file, for the page; without it the page shows none.
+    pub resolved: String,
 }

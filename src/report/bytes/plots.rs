@@ -130,7 +130,7 @@ fn is_unbeaten(entry: &Entry, entries: &[Entry], link: usize) -> bool {
 }
 
 /// Models of a family have a colour.
-fn color(variant: Variant) -> usize {
+pub(in crate::report) fn color(variant: Variant) -> usize {
     if let Some(TrunkKind { name, .. }) = variant.trunk {
         return match name.name() {
             "lodstrips" => 2,

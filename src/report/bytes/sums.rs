@@ -127,12 +127,17 @@ pub(super) struct Cost {
     pub(super) resident_bytes: u64,
 }
 
+/// Whether measures, of each of which less is better, are nowhere more than others and somewhere less.
+pub(in crate::report) fn dominates<T: PartialOrd>(ours: &[T], theirs: &[T]) -> bool {
+    let pairs = || ours.iter().zip(theirs);
+    pairs().all(|(ours, theirs)| ours <= theirs) && pairs().any(|(ours, theirs)| ours < theirs)
+}
+
 impl Cost {
     /// Whether it is nowhere more and somewhere less.
     pub(super) fn dominates(&self, other: &Self) -> bool {
         let values = |cost: &Self| [cost.bytes, cost.ticks, cost.vertices, cost.resident_bytes];
-        let pairs = || values(self).into_iter().zip(values(other));
-        pairs().all(|(ours, theirs)| ours <= theirs) && pairs().any(|(ours, theirs)| ours < theirs)
+        dominates(&values(self), &values(other))
     }
 
     /// How a model compares with another on the bus.

@@ -310,6 +310,7 @@ mod tests {
                 .map(|name| Link::named(name).expect("a link"))
                 .to_vec(),
             plants: vec![plant("fir", [1, 2]), plant("elm", [1, 1])],
+            resolved: String::new(),
         }
     }
 

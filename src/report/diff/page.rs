@@ -13,7 +13,7 @@ use super::{Flip, ImageDifference, LookDifference, RunDifference, triptych};
 use crate::math::index_u32;
 use crate::report::thumbnail::shrink;
 use crate::report::{
-    Cell, Column, OutputFolder, Page, PageImage, Picture, ReportError, Section, Table,
+    Cell, Column, Comparison, OutputFolder, Page, PageImage, Picture, ReportError, Section, Table,
 };
 
 /// The longer sides of pictures on a page: the first with which it is small enough.
@@ -234,16 +234,17 @@ fn shown(look: &LookDifference, tolerance: u8, side: u32) -> Result<Vec<Section>
             png: picture.to_png()?,
         })
     };
-    let mut whole = vec![
+    let both = vec![
         image("expected", &shrink(expected, factor)?)?,
         image("actual", &shrink(actual, factor)?)?,
-        image(
-            "differing: the redder the more; grey is the same",
-            &differing(expected, actual, tolerance, factor)?,
-        )?,
     ];
+    let both = Section::Comparison(Comparison::of_ways("picture", both));
+    let mut whole = vec![image(
+        "differing: the redder the more; grey is the same",
+        &differing(expected, actual, tolerance, factor)?,
+    )?];
     let Ok(metrics) = &look.found else {
-        return Ok(vec![Section::Large(whole)]);
+        return Ok(vec![both, Section::Large(whole)]);
     };
     let found = &metrics.difference;
     let map = flip_map(found.size, &metrics.flip)?;
@@ -251,7 +252,7 @@ fn shown(look: &LookDifference, tolerance: u8, side: u32) -> Result<Vec<Section>
         "FLIP: how much is seen; the lighter the more",
         &shrink(&map, factor)?,
     )?);
-    let mut sections = vec![Section::Large(whole)];
+    let mut sections = vec![both, Section::Large(whole)];
     let [width, height] = found.size;
     if found.unequal > 0 && width.max(height) > 2 * DETAIL {
         let detail = |picture: &Picture| cropped(picture, found.largest_at);

@@ -29,7 +29,7 @@ pub use path::{PING_PONG_FRAMES, PathEntry};
 pub use rows::{FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, run_notes, run_table};
 
 pub(super) use ledger::{json, microseconds};
-pub(super) use rows::{VIEW, evenly, note};
+pub(super) use rows::{VIEW, evenly, fetch_by_cause, note, upload_by_cause};
 
 use std::path::Path;
 

@@ -1,22 +1,23 @@
 //! `report.html`: a run on one page.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::ledger::{LedgerHead, microseconds};
 use super::rows::{
     FETCH_BYTES_PER_LEAF, FrameRow, INDEX_BYTES_PER_LEAF, note, run_notes, run_table,
 };
 use super::{PathEntry, RunHeader};
 use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
-use crate::report::thumbnail::shrink;
+use crate::report::html::{SMALLER, THIN_SPACE, fitting};
+use crate::report::thumbnail::small;
 use crate::report::{
-    Axis, Cell, Column, Page, PageImage, Picture, Plot, ReportError, Scale, Section, Series, Table,
+    Axis, Cell, Choice, Column, Comparison, Page, PageImage, Picture, Plot, ReportError, Scale,
+    Section, Series, Stack, StackLayer, Table, decimal, grouped,
 };
 use crate::run::Popping;
 
 /// Rows of the table of frames.
 const MOST_ROWS: usize = 120;
-
-/// The longer side of a thumbnail, in pixels, at most.
-const THUMBNAIL_SIDE: u32 = 320;
 
 /// Pictures for the page, evenly chosen from frames that come one after another, however many.
 #[derive(Debug)]
@@ -43,9 +44,7 @@ impl Thumbnails {
                 self.halve();
             }
             if self.seen.is_multiple_of(self.stride) {
-                let side = picture.width().max(picture.height());
-                let small = shrink(picture, side.div_ceil(THUMBNAIL_SIDE))?;
-                self.kept.push((frame, small));
+                self.kept.push((frame, small(picture)?));
             }
         }
         self.seen += 1;
@@ -58,29 +57,53 @@ impl Thumbnails {
         self.kept = kept.into_iter().step_by(2).collect();
     }
 
-    /// Makes all smaller, or fewer once they are small.
-    fn reduce(&mut self) -> Result<(), ReportError> {
-        let side = |(_, picture): &(u32, Picture)| picture.width().max(picture.height());
-        if self.kept.iter().map(side).max() > Some(80) {
-            for (_, picture) in &mut self.kept {
-                *picture = shrink(picture, 2)?;
+    /// The pictures, each once, with the frames that show it, and which frame shows which.
+    fn distinct(self) -> (Vec<Picture>, FrameChoice) {
+        let (mut pictures, mut choice) = (Vec::new(), FrameChoice::default());
+        for (frame, picture) in self.kept {
+            let known = pictures.iter().position(|known| *known == picture);
+            let place = known.unwrap_or(pictures.len());
+            if known.is_none() {
+                pictures.push(picture);
+                choice.captions.push(format!("frame {frame}"));
+            } else if let Some(caption) = choice.captions.get_mut(place) {
+                *caption += &format!(", {frame}");
             }
-        } else if self.kept.len() > 1 {
-            self.halve();
-        } else {
-            self.kept.clear();
+            choice.frames.push(frame.to_string());
+            choice.shows.push(place);
         }
-        Ok(())
+        (pictures, choice)
     }
+}
 
-    fn images(&self) -> Result<Vec<PageImage>, ReportError> {
-        let image = |(frame, picture): &(u32, Picture)| {
-            Ok(PageImage {
-                caption: format!("frame {frame}"),
-                png: picture.to_png()?,
-            })
-        };
-        self.kept.iter().map(image).collect()
+/// The frames of which a page has pictures.
+#[derive(Debug, Default)]
+struct FrameChoice {
+    frames: Vec<String>,
+    /// The number of each frame's picture.
+    shows: Vec<usize>,
+    /// A caption a picture.
+    captions: Vec<String>,
+}
+
+impl FrameChoice {
+    /// The first frame against the last.
+    fn comparison(&self, files: Vec<Vec<u8>>) -> Comparison {
+        let captions = self.captions.iter().cloned();
+        let image = |(caption, png)| PageImage { caption, png };
+        Comparison {
+            ways: Choice {
+                name: String::new(),
+                values: vec![String::new()],
+            },
+            places: Choice {
+                name: "frame".to_owned(),
+                values: self.frames.clone(),
+            },
+            shows: vec![self.shows.clone()],
+            pictures: captions.zip(files).map(image).collect(),
+            begin: [[0, 0], [0, self.frames.len().saturating_sub(1)]],
+        }
     }
 }
 
@@ -146,26 +169,28 @@ impl Links {
     }
 }
 
-/// The page; pictures become smaller or fewer until it is as small as a page must be.
+/// The page; pictures become smaller until it is as small as a page must be.
 pub(super) fn run_page(
     header: &RunHeader,
     initial: &Ledger,
     rows: &[FrameRow],
     path: Option<&PathEntry>,
     links: &Links,
-    mut thumbnails: Thumbnails,
+    thumbnails: Thumbnails,
 ) -> Result<String, ReportError> {
-    let before = vec![Section::Text(what_was_run(header, rows))];
-    let mut after: Vec<Section> = run_notes(rows, header.link)
-        .into_iter()
-        .chain(path.map(PathEntry::note))
-        .map(Section::Text)
-        .collect();
-    after.insert(
-        0,
+    let before = Section::Text(what_was_run(header, rows));
+    let facts = Section::Facts(facts(header, rows));
+    let mut after = vec![
+        Section::Heading("What crossed the bus".to_owned()),
         Section::Text(note("Before the first frame", &initial.upload)),
+    ];
+    let notes = run_notes(rows, header.link).into_iter();
+    after.extend(notes.chain(path.map(PathEntry::note)).map(Section::Text));
+    after.extend(
+        cause_stacks(rows)
+            .iter()
+            .map(|stack| Section::Figure(stack.to_svg())),
     );
-    after.insert(0, Section::Heading("What crossed the bus".to_owned()));
     after.extend([
         Section::Figure(bytes_plot(rows).to_svg()),
         Section::Figure(leaves_plot(rows).to_svg()),
@@ -201,30 +226,62 @@ pub(super) fn run_page(
             table: links.table(),
         },
     ]);
-    loop {
-        let images = thumbnails.images()?;
-        let is_bare = images.is_empty();
-        let mut sections = before.clone();
-        if !is_bare {
-            sections.push(Section::Images(images));
+    after.extend(Section::scene(&header.resolved));
+    after.push(Section::Text(format!(
+        "Scene digest: {}.",
+        header.scene_digest
+    )));
+    let title = format!("{}, {}", header.scene, header.model);
+    let (pictures, choice) = thumbnails.distinct();
+    fitting(pictures, |files| {
+        let mut sections = vec![before.clone()];
+        if !files.is_empty() {
+            sections.push(Section::Comparison(choice.comparison(files)));
+            sections.push(Section::Text(SMALLER.to_owned()));
         }
+        sections.push(facts.clone());
         sections.extend(after.iter().cloned());
-        let page = Page {
-            title: format!("{}, {}", header.scene, header.model),
+        Page {
+            title: title.clone(),
             sections,
-        };
-        match page.to_html() {
-            Err(ReportError::TooLarge { .. }) if !is_bare => thumbnails.reduce()?,
-            html => return html,
         }
+    })
+}
+
+/// The few numbers that say the most. Streams stand apart.
+fn facts(header: &RunHeader, rows: &[FrameRow]) -> Vec<(String, String)> {
+    let sum = FrameRow::sum(rows);
+    let count = |count| grouped(count, THIN_SPACE);
+    let leaves = rows.iter().map(|row| row.leaves);
+    let leaves = match (leaves.clone().min(), leaves.max()) {
+        (Some(least), Some(most)) if least < most => format!("{} – {}", count(least), count(most)),
+        (_, most) => count(most.unwrap_or(0)),
+    };
+    let time = |ticks| format!("{}{THIN_SPACE}µs", decimal(microseconds(ticks), 1));
+    let bytes = |bytes| format!("{}{THIN_SPACE}B", count(bytes));
+    let mut facts = vec![
+        ("leaves a frame", leaves),
+        (
+            "sent for changes of detail",
+            bytes(sum.changes.payload_bytes),
+        ),
+        ("in transfers", count(sum.changes.transfers)),
+        ("on the bus, modelled", time(sum.changes.ticks)),
+    ];
+    if sum.fetch.transfers > 0 {
+        facts.push(("fetched by draws", bytes(sum.fetch.payload_bytes)));
+        facts.push(("fetching, modelled", time(sum.fetch.ticks)));
     }
+    let resident = header.resident.iter().map(|(_, bytes)| bytes).sum();
+    facts.push(("device memory", bytes(resident)));
+    let named = |(name, value): (&str, String)| (name.to_owned(), value);
+    facts.into_iter().map(named).collect()
 }
 
 fn what_was_run(header: &RunHeader, rows: &[FrameRow]) -> String {
     let LedgerHead {
         version,
         scene,
-        scene_digest,
         link,
         card,
         size: [width, height],
@@ -245,9 +302,49 @@ fn what_was_run(header: &RunHeader, rows: &[FrameRow]) -> String {
     };
     format!(
         "Scene {scene} with model {model}: {frames}, {width} × {height} pixels, {samples} a \
-         pixel. Times are modelled for the link {link} and the card {card}. spinney {version}, \
-         scene digest {scene_digest}."
+         pixel. Times are modelled for the link {link} and the card {card}. spinney {version}."
     )
+}
+
+/// Uploads by cause and, where there are any, fetches by cause: streams of their own.
+fn cause_stacks(rows: &[FrameRow]) -> Vec<Stack> {
+    let sum = FrameRow::sum(rows);
+    let causes: BTreeSet<&String> = sum
+        .upload_by_cause
+        .keys()
+        .chain(sum.fetch_by_cause.keys())
+        .collect();
+    let stack = |title: &str, of: fn(&FrameRow) -> &BTreeMap<String, u64>| {
+        let layer = |(color, cause): (usize, &&String)| {
+            let bytes = |row: &FrameRow| of(row).get(*cause).copied().unwrap_or(0);
+            StackLayer {
+                name: (*cause).clone(),
+                color,
+                values: rows.iter().map(|row| bytes(row) as f64).collect(),
+            }
+        };
+        let there = |(_, cause): &(usize, &&String)| of(&sum).contains_key(**cause);
+        Stack {
+            title: title.to_owned(),
+            x: Axis {
+                label: "frame".to_owned(),
+                scale: Scale::Linear,
+            },
+            label: "bytes".to_owned(),
+            places: rows.iter().map(|row| f64::from(row.frame)).collect(),
+            layers: causes.iter().enumerate().filter(there).map(layer).collect(),
+            size: Stack::WIDE,
+        }
+    };
+    let mut stacks = vec![stack("Uploads of each frame by cause", |row| {
+        &row.upload_by_cause
+    })];
+    if !sum.fetch_by_cause.is_empty() {
+        stacks.push(stack("Fetches of each frame by cause", |row| {
+            &row.fetch_by_cause
+        }));
+    }
+    stacks
 }
 
 /// Uploads by cause, fetches, and what others would have sent.
@@ -364,22 +461,21 @@ mod tests {
         }
         let frames: Vec<u32> = thumbnails.kept.iter().map(|kept| kept.0).collect();
         assert_eq!(frames, (0..100).step_by(8).collect::<Vec<u32>>());
-        thumbnails.reduce().unwrap();
-        assert_eq!(thumbnails.kept.len(), 7);
-        for _ in 0..4 {
-            thumbnails.reduce().unwrap();
-        }
-        assert!(thumbnails.kept.is_empty(), "at last none is left");
+        // They are all the same, so one is enough.
+        let (pictures, choice) = thumbnails.distinct();
+        assert_eq!((pictures.len(), choice.shows), (1, vec![0; 13]));
+        assert!(choice.captions[0].starts_with("frame 0, 8, 16, "));
     }
 
     #[test]
     fn pages_are_as_small_as_they_must_be() {
         // Noise does not compress: 24 pictures of 300 KiB each, in base64, are too much.
-        let noise = Noise::new(1, 1);
-        let rgba = (0..4 * 80_000_u64).map(|index| u8::try_from(noise.below(index, 256)).unwrap());
-        let picture = Picture::new(320, 250, rgba.collect()).unwrap();
         let mut thumbnails = Thumbnails::new();
         for frame in 0..24 {
+            let noise = Noise::new(1, u64::from(frame));
+            let bytes = (0..4 * 80_000_u64).map(|index| noise.below(index, 256));
+            let rgba = bytes.map(|byte| u8::try_from(byte).unwrap());
+            let picture = Picture::new(320, 250, rgba.collect()).unwrap();
             thumbnails.add(frame, &picture).unwrap();
         }
         let header = RunHeader {
@@ -417,8 +513,6 @@ mod tests {
         let mut thumbnails = Thumbnails::new();
         thumbnails.add(7, &picture).unwrap();
         let (frame, small) = &thumbnails.kept[0];
-        assert_eq!((*frame, small.width(), small.height()), (7, 250, 125));
-        thumbnails.reduce().unwrap();
-        assert_eq!(thumbnails.kept[0].1.width(), 125);
+        assert_eq!((*frame, small.width(), small.height()), (7, 500, 250));
     }
 }

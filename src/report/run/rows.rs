@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::ledger::microseconds;
-use crate::gpu::{Link, Stream, Ticks, Traffic};
+use crate::gpu::{Ledger, Link, Stream, Ticks, Traffic};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{decimal, grouped};
 use crate::run::{Frame, Popping};
@@ -36,6 +36,8 @@ pub struct FrameRow {
     pub fetch: Traffic,
     /// Payload of uploads by kind of cause.
     pub upload_by_cause: BTreeMap<String, u64>,
+    /// Payload of fetches by kind of cause.
+    pub fetch_by_cause: BTreeMap<String, u64>,
     /// Modelled time on the card, under exact counters.
     pub gpu_ticks: Option<Ticks>,
     /// With a budget of bytes: clusters, or trees that change as a whole, that it held back.
@@ -53,22 +55,16 @@ impl FrameRow {
             leaves: frame.leaves,
             triangles: frame.triangles,
             fetch: frame.ledger.fetch,
+            upload_by_cause: upload_by_cause(&frame.ledger),
+            fetch_by_cause: fetch_by_cause(&frame.ledger),
             gpu_ticks: frame.ledger.gpu_ticks,
             deferred: frame.deferred,
             popping: frame.popping,
             ..Self::default()
         };
-        // Shares are exact by cause also where one transfer has several, but of all streams.
-        for (kind, share) in &frame.ledger.by_cause {
-            row.upload_by_cause
-                .insert((*kind).to_owned(), share.payload_bytes);
-        }
         for transfer in &frame.ledger.transfers {
             let kind = transfer.cause.kind;
             if transfer.stream != Stream::Upload {
-                if let Some(bytes) = row.upload_by_cause.get_mut(kind) {
-                    *bytes = bytes.saturating_sub(transfer.payload_bytes);
-                }
                 continue;
             }
             let sum = match kind {
@@ -82,7 +78,6 @@ impl FrameRow {
                 ticks: transfer.ticks,
             });
         }
-        row.upload_by_cause.retain(|_, bytes| *bytes > 0);
         row
     }
 
@@ -102,8 +97,13 @@ impl FrameRow {
             sum.changes.add(&row.changes);
             sum.view.add(&row.view);
             sum.fetch.add(&row.fetch);
-            for (cause, bytes) in &row.upload_by_cause {
-                *sum.upload_by_cause.entry(cause.clone()).or_default() += bytes;
+            for (sum, row) in [
+                (&mut sum.upload_by_cause, &row.upload_by_cause),
+                (&mut sum.fetch_by_cause, &row.fetch_by_cause),
+            ] {
+                for (cause, bytes) in row {
+                    *sum.entry(cause.clone()).or_default() += bytes;
+                }
             }
             if let Some(ticks) = row.gpu_ticks {
                 *sum.gpu_ticks.get_or_insert_default() += ticks;
@@ -117,6 +117,33 @@ impl FrameRow {
         }
         sum
     }
+}
+
+/// Payload of uploads by kind of cause: what all streams have of it, which is exact also where one
+/// transfer has several causes, but for what is no upload.
+pub(in super::super) fn upload_by_cause(ledger: &Ledger) -> BTreeMap<String, u64> {
+    let shares = ledger.by_cause.iter();
+    let shares = shares.map(|(kind, share)| ((*kind).to_owned(), share.payload_bytes));
+    let mut bytes: BTreeMap<String, u64> = shares.collect();
+    let transfers = ledger.transfers.iter();
+    for transfer in transfers.filter(|transfer| transfer.stream != Stream::Upload) {
+        if let Some(bytes) = bytes.get_mut(transfer.cause.kind) {
+            *bytes = bytes.saturating_sub(transfer.payload_bytes);
+        }
+    }
+    bytes.retain(|_, bytes| *bytes > 0);
+    bytes
+}
+
+/// Payload of fetches by kind of cause.
+pub(in super::super) fn fetch_by_cause(ledger: &Ledger) -> BTreeMap<String, u64> {
+    let mut bytes: BTreeMap<String, u64> = BTreeMap::new();
+    let transfers = ledger.transfers.iter();
+    for transfer in transfers.filter(|transfer| transfer.stream == Stream::Fetch) {
+        *bytes.entry(transfer.cause.kind.to_owned()).or_default() += transfer.payload_bytes;
+    }
+    bytes.retain(|_, bytes| *bytes > 0);
+    bytes
 }
 
 /// What frames cost, a row a frame and one of sums; of more than `most` frames only some, evenly

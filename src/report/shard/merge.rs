@@ -4,13 +4,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::read::ShardFile;
-use super::{Job, LookLine, StepLine};
+use super::{Job, LookLine, PictureLine, StepLine};
 use crate::gpu::Ledger;
 use crate::limits;
 use crate::math::index_u32;
+use crate::report::image::read_file;
 use crate::report::run::{FrameRow, PathEntry, RunFolder, RunHeader};
 use crate::report::sweep::{SweepHeader, write_sweep};
-use crate::report::{OutputFolder, Picture, ReportError, SweepQuality};
+use crate::report::{OutputFolder, Picture, ReportError, SweepPictures, SweepQuality};
 use crate::run::{Appearance, Frame, Progress, Sweep, SweepModel, looked_at};
 
 /// What was joined.
@@ -87,8 +88,8 @@ pub fn merge(
             let appearances = Appearance::all_of(sweep.models.iter().map(|model| model.variant));
             let quality = looks.map(|looks| joined_looks(&mut shards, steps, looks, &appearances));
             let quality = quality.transpose()?;
-            ended(&mut shards)?;
-            write_sweep(&folder, &header, &sweep, quality.as_ref())?;
+            let pictures = joined_pictures(&mut shards)?;
+            write_sweep(&folder, &header, &sweep, quality.as_ref(), &pictures)?;
             folder.commit()?;
             let merged = Merged::Sweep {
                 header,
@@ -244,6 +245,25 @@ fn joined_looks(
         }
     }
     Ok(quality)
+}
+
+/// The pictures of all shards, which end their lines.
+fn joined_pictures(shards: &mut [ShardFile]) -> Result<SweepPictures, ReportError> {
+    let mut pictures = SweepPictures::default();
+    for shard in shards {
+        while let Some(line) = shard.next::<PictureLine>()? {
+            let path = shard.folder.join(line.name());
+            let png = read_file(&path)?;
+            if PictureLine::of(line.picture, &png) != line {
+                let message = "not the picture that was written there".to_owned();
+                return Err(wrong(&path, message));
+            }
+            let picture = Picture::from_png(&path, &png)?;
+            let kept = pictures.insert(line.picture, picture);
+            kept.map_err(|message| wrong(&path, message))?;
+        }
+    }
+    Ok(pictures)
 }
 
 /// The shard that drew a frame or step; there is one of every index.

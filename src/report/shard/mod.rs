@@ -6,8 +6,8 @@
 //! ```
 //!
 //! `shard.jsonl` holds all that was counted, exactly: first a [head](Head) on a line of its own, then
-//! a line a frame, or a line a model and step, and one a level that was looked at. Joining feeds what it says to the same writers that an
-//! unsharded run feeds.
+//! a line a frame, or a line a model and step, one a level that was looked at, and one a picture of the page, which
+//! lies beside it in `pictures/`. Joining feeds what it says to the same writers that an unsharded run feeds.
 //!
 //! **Invariant.** Nothing is joined that was not made from the same input: heads must be equal but for
 //! the shard's index, every shard must be there once, and each picture must have the digest that its
@@ -26,10 +26,11 @@ use super::growing::GrowingFile;
 use super::run::{RunHeader, json};
 use super::sweep::SweepHeader;
 use super::{
-    OutputFolder, QualitySummary, ReportError, Spread, StepQuality, SweepQuality, ViewQuality,
+    OutputFolder, QualitySummary, ReportError, Spread, StepQuality, SweepPictures, SweepQuality,
+    ViewQuality,
 };
 use crate::gpu::Ledger;
-use crate::math::Digest;
+use crate::math::{Digest, Digester};
 use crate::run::{Appearance, Frame, Shard, Sweep, SweepModel, SweepStep};
 
 /// The value of `schema` in the first line of `shard.jsonl`.
@@ -88,6 +89,28 @@ enum Job {
 struct StepLine {
     model: usize,
     step: SweepStep,
+}
+
+/// A line of a walk: a small picture for its page.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PictureLine {
+    /// The digest of the frame that it shows, by which its file is called.
+    picture: Digest,
+    /// Of the file's bytes.
+    file: Digest,
+}
+
+impl PictureLine {
+    fn of(picture: Digest, png: &[u8]) -> Self {
+        let file = Digester::new("spinney.shard picture").bytes(png).finish();
+        Self { picture, file }
+    }
+
+    /// The file's name in the folder.
+    fn name(&self) -> String {
+        format!("pictures/{}.png", self.picture)
+    }
 }
 
 impl Head {
@@ -165,7 +188,7 @@ pub struct SweepShare {
     pub looks: Option<u32>,
 }
 
-/// Writes `shard.jsonl` of a walk.
+/// Writes `shard.jsonl` of a walk, and beside it the pictures for its page.
 ///
 /// # Errors
 ///
@@ -176,6 +199,7 @@ pub fn write_sweep_shard(
     share: SweepShare,
     sweep: &Sweep,
     quality: Option<&SweepQuality>,
+    pictures: &SweepPictures,
 ) -> Result<(), ReportError> {
     let mut file = GrowingFile::create(folder, FILE)?;
     let without_steps = |model: &SweepModel| SweepModel {
@@ -213,6 +237,12 @@ pub fn write_sweep_shard(
             let line = LookLine::of(quality.plants, place.unwrap_or(0), step);
             file.add(&(json(&line) + "\n"))?;
         }
+    }
+    for (digest, picture) in pictures.iter() {
+        let png = picture.to_png()?;
+        let line = PictureLine::of(digest, &png);
+        folder.write(&line.name(), &png)?;
+        file.add(&(json(&line) + "\n"))?;
     }
     file.finish()
 }

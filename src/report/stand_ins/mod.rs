@@ -29,8 +29,8 @@ use self::sheet::Strip;
 use self::textures::TextureMeter;
 use super::run::json;
 use super::{
-    OutputFolder, Page, PageImage, PictureView, QualitySummary, ReportError, Section, Spread,
-    ViewQuality, grouped,
+    Comparison, OutputFolder, Page, PageImage, PictureView, QualitySummary, ReportError, Section,
+    Spread, ViewQuality, grouped,
 };
 use crate::gpu::{Card, Ledger, Link, nanoseconds};
 use crate::math::Vec3;
@@ -348,12 +348,12 @@ pub fn write_stand_ins(folder: &OutputFolder, report: &StandInReport) -> Result<
     for (name, plot) in stand_in_plots(report) {
         folder.write(&format!("plots/{name}.svg"), plot.to_svg().as_bytes())?;
     }
-    let mut images = Vec::new();
+    let (mut strips, mut clusters) = (Vec::new(), Vec::new());
     for strip in &report.strips {
         let png = strip.picture()?.to_small_png()?;
         let label = strip.stand_in.label();
         folder.write(&format!("pictures/{label}.png"), &png)?;
-        images.push(PageImage {
+        strips.push(PageImage {
             caption: label,
             png,
         });
@@ -368,16 +368,23 @@ pub fn write_stand_ins(folder: &OutputFolder, report: &StandInReport) -> Result<
         folder.write(&format!("pictures/cluster-{number}-of-{planes}.png"), &png)?;
         let leaves = grouped(u64::from(cluster.leaves), ",");
         let caption = format!("cluster {number} of {planes}: {leaves} leaves");
-        images.insert(0, PageImage { caption, png });
+        clusters.insert(0, PageImage { caption, png });
     }
-    let page = stand_in_page(report, images).to_html()?;
+    let page = stand_in_page(report, strips, clusters).to_html()?;
     folder.write("report.html", page.as_bytes())
 }
 
 /// The page; of pictures as many as a page may have.
-fn stand_in_page(report: &StandInReport, mut images: Vec<PageImage>) -> Page {
-    images.truncate(Page::MAX_IMAGES);
+fn stand_in_page(
+    report: &StandInReport,
+    mut strips: Vec<PageImage>,
+    mut clusters: Vec<PageImage>,
+) -> Page {
+    clusters.truncate(Page::MAX_IMAGES);
+    strips.truncate(Page::MAX_IMAGES - clusters.len());
+    let strips = Comparison::of_ways("shown as", strips);
     let mut sections = vec![
+        Section::Comparison(strips),
         Section::Table {
             caption: "How they look".to_owned(),
             table: table::looks_for_people(report),
@@ -406,7 +413,9 @@ fn stand_in_page(report: &StandInReport, mut images: Vec<PageImage>) -> Page {
     sections.extend(textures::refused(&report.textures).map(Section::Text));
     let plots = stand_in_plots(report).into_iter();
     sections.extend(plots.map(|(_, plot)| Section::Figure(plot.to_svg())));
-    sections.push(Section::Large(images));
+    if !clusters.is_empty() {
+        sections.push(Section::Large(clusters));
+    }
     Page {
         title: format!("{}: what stands in for leaves", report.header.scene),
         sections,

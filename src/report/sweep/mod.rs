@@ -4,7 +4,7 @@
 //! Sweep ─┬─ sweep_json, sweep_csv ──▶ sweep.json, sweep.csv     every step of every model
 //!        ├─ sweep_plots ────────────▶ plots/*.svg
 //!        ├─ sweep_table, _notes ────▶ terminal, Markdown         one row a model
-//!        └─ sweep_page ─────────────▶ report.html
+//!        └─ sweep_page ─────────────▶ report.html, with the SweepPictures of some levels
 //! ```
 //!
 //! With a [`SweepQuality`] each also tells what the levels do to the picture; without, all files are
@@ -13,22 +13,26 @@
 //! **Invariant.** "Changes" are uploads but for the view's, which follow the camera. Bytes of
 //! different streams are never added; modelled times are.
 
+mod causes;
+mod page;
+mod pareto;
+mod pictures;
 mod plots;
 mod quality;
 mod table;
 
+pub use page::sweep_page;
+pub use pictures::SweepPictures;
 pub use plots::sweep_plots;
 pub use quality::{quality_notes, quality_plots, quality_table};
 pub use table::{sweep_markdown, sweep_notes, sweep_table, sweep_text};
 
 use serde::Serialize;
 
-use self::quality::{
-    QualityEntry, quality_cells, quality_columns, quality_heading, quality_sections,
-};
+use self::quality::{QualityEntry, quality_cells, quality_columns, quality_heading};
 
 use super::run::{LedgerEntry, TrafficEntry, json};
-use super::{Cell, Column, OutputFolder, Page, Plot, ReportError, Section, SweepQuality, Table};
+use super::{Cell, Column, OutputFolder, Plot, ReportError, SweepQuality, Table};
 use crate::gpu::{Card, Link, nanoseconds};
 use crate::run::{Sweep, SweepModel, SweepStep};
 
@@ -45,6 +49,8 @@ pub struct SweepHeader {
     pub link: Link,
     /// The card by which GPU times are modelled.
     pub card: Card,
+    /// The scene with all that decided the walk, as a scene file, for the page.
+    pub resolved: String,
 }
 
 /// A step or a sum of steps; fields in the order of the file.
@@ -339,90 +345,8 @@ fn changes(step: &SweepStep) -> u64 {
         .sum()
 }
 
-/// `report.html`.
-///
-/// # Errors
-///
-/// When the page is larger than a page may be.
-pub fn sweep_page(
-    header: &SweepHeader,
-    sweep: &Sweep,
-    quality: Option<&SweepQuality>,
-) -> Result<String, ReportError> {
-    let steps = sweep.models.first().map_or(0, |model| model.steps.len());
-    let mut sections = vec![
-        Section::Text(format!(
-            "Scene {}: from full detail to the coarsest in {} equal steps, {} models. Times are \
-             modelled for the link {} and the card {}. spinney {}.",
-            header.scene,
-            steps.saturating_sub(1),
-            sweep.models.len(),
-            header.link.name(),
-            header.card.name(),
-            env!("CARGO_PKG_VERSION")
-        )),
-        Section::Table {
-            caption: String::new(),
-            table: sweep_table(sweep),
-        },
-        Section::Text(table::CAPTION.to_owned()),
-    ];
-    sections.extend(sweep_notes(sweep).into_iter().map(Section::Text));
-    sections.push(Section::Heading("Along the axis of detail".to_owned()));
-    let plots = sweep_plots(sweep).into_iter();
-    sections.extend(plots.map(|(_, plot)| Section::Figure(plot.to_svg())));
-    sections.extend(
-        quality
-            .into_iter()
-            .flat_map(|quality| quality_sections(sweep, quality)),
-    );
-    sections.push(Section::Heading("Device memory at full detail".to_owned()));
-    sections.push(Section::Table {
-        caption: String::new(),
-        table: resident_table(sweep),
-    });
-    Page {
-        title: format!("{}: all models along the axis of detail", header.scene),
-        sections,
-    }
-    .to_html()
-}
-
-/// Device memory by label, a column a model.
-fn resident_table(sweep: &Sweep) -> Table {
-    let all = sweep.models.iter().flat_map(|model| &model.resident);
-    let mut labels: Vec<&str> = all.map(|(label, _)| label.as_str()).collect();
-    labels.sort_unstable();
-    labels.dedup();
-    let bytes = |model: &SweepModel, label: &str| {
-        let found = model.resident.iter().find(|(known, _)| known == label);
-        found.map_or(Cell::Missing, |(_, bytes)| Cell::Count(*bytes))
-    };
-    let row = |label: &&str| {
-        let cells = sweep.models.iter().map(|model| bytes(model, label));
-        let name = Cell::Text((*label).to_owned());
-        std::iter::once(name).chain(cells).collect()
-    };
-    let mut rows: Vec<Vec<Cell>> = labels.iter().map(row).collect();
-    let sum = |model: &SweepModel| model.resident.iter().map(|(_, bytes)| bytes).sum();
-    let sums = sweep.models.iter().map(|model| Cell::Count(sum(model)));
-    rows.push(
-        std::iter::once(Cell::Text("all".to_owned()))
-            .chain(sums)
-            .collect(),
-    );
-    let models = sweep.models.iter();
-    let models = models.map(|model| Column::numbers(model.variant.label()));
-    Table {
-        columns: std::iter::once(Column::words("label, B"))
-            .chain(models)
-            .collect(),
-        rows,
-    }
-}
-
 /// Writes all that a walk leaves: `sweep.json`, `sweep.csv`, `plots/*.svg`, `table.md`,
-/// `report.html`.
+/// `report.html`; the page shows the `pictures`, if there are any.
 ///
 /// # Errors
 ///
@@ -432,6 +356,7 @@ pub fn write_sweep(
     header: &SweepHeader,
     sweep: &Sweep,
     quality: Option<&SweepQuality>,
+    pictures: &SweepPictures,
 ) -> Result<(), ReportError> {
     let (json, csv) = (
         sweep_json(header, sweep, quality),
@@ -446,7 +371,9 @@ pub fn write_sweep(
     for (name, plot) in plots {
         folder.write(&format!("plots/{name}.svg"), plot.to_svg().as_bytes())?;
     }
+    let pareto = pareto::plot(sweep, quality);
+    folder.write("plots/pareto.svg", pareto.to_svg().as_bytes())?;
     folder.write("table.md", sweep_markdown(sweep, quality).as_bytes())?;
-    let page = sweep_page(header, sweep, quality)?;
+    let page = sweep_page(header, sweep, quality, pictures)?;
     folder.write("report.html", page.as_bytes())
 }

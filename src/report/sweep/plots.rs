@@ -70,7 +70,7 @@ pub fn sweep_plots(sweep: &Sweep) -> Vec<(&'static str, Plot)> {
 }
 
 /// Bus and, where it is modelled, card.
-fn milliseconds(step: &SweepStep) -> f64 {
+pub(super) fn milliseconds(step: &SweepStep) -> f64 {
     let bus = step.ledger.upload.ticks + step.ledger.fetch.ticks;
     nanoseconds(step.frame_ticks().unwrap_or(bus)) as f64 / 1e6
 }

@@ -246,8 +246,11 @@ fn pages_of_runs_are_self_contained() {
     let html = read(&target, "report.html");
     assert_self_contained(&html);
     assert_eq!(html.matches("<img ").count(), 5);
-    assert_eq!(html.matches("<svg ").count(), 3);
+    assert_eq!(html.matches("<svg ").count(), 4);
     for text in [
+        "data-shows=\"0,1,2,3,4\"",
+        "Uploads of each frame by cause",
+        "<code># resolved</code>",
         "tiny, lodf-cluster",
         "64 B a leaf",
         "pcie5x16",

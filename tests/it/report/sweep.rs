@@ -6,13 +6,15 @@ use spinney::math::Digest;
 use spinney::models::{Kind, TrunkKind};
 use spinney::report::{
     Accounting, OutputFolder, PrintedSize, QualityMeter, QualitySummary, StorageReport,
-    SweepHeader, SweepQuality, SweepShare, ViewQuality, merge, quality_notes, storage_report,
-    sweep_notes, sweep_table, sweep_text, write_sweep, write_sweep_shard,
+    SweepHeader, SweepPictures, SweepQuality, SweepShare, ViewQuality, merge, quality_notes,
+    storage_report, sweep_notes, sweep_table, sweep_text, write_sweep, write_sweep_shard,
 };
 use spinney::run::{
-    Look, LookOptions, RunError, SessionOptions, Shard, Silent, Subject, Sweep, SweepOptions,
-    Variant, looks, sweep,
+    Frame, Look, LookOptions, RunError, SessionOptions, Shard, Silent, Subject, Sweep,
+    SweepOptions, Variant, looks, sweep, sweep_seen,
 };
+
+use spinney::scene::Scene;
 
 use super::{assert_self_contained, files, keys_in_order, options, read, scene, words, world};
 use crate::support::{OPTIONS, random_crown, random_trunk};
@@ -22,6 +24,7 @@ pub(super) fn sweep_header() -> SweepHeader {
         scene: "tiny".to_owned(),
         link: Link::named("pcie1x16").expect("a known link"),
         card: Card::named("gtx770").expect("a known card"),
+        resolved: "# resolved & <walked>\n".to_owned(),
     }
 }
 
@@ -31,17 +34,34 @@ pub(super) fn tiny_sweep() -> Sweep {
 
 fn sweep_share(variants: &[Variant], shard: Shard) -> Sweep {
     let scene = scene("cluster", "uniform");
-    let options = SweepOptions {
+    let options = sweep_options(&scene, variants, shard);
+    sweep(&scene, &world(), &options, &Silent).expect("memory suffices")
+}
+
+fn sweep_options(scene: &Scene, variants: &[Variant], shard: Shard) -> SweepOptions {
+    SweepOptions {
         variants: variants.to_vec(),
         steps: 4,
         shard,
         session: SessionOptions {
             // Some variants compute.
             card: sweep_header().card,
-            ..options(&scene)
+            ..options(scene)
         },
+    }
+}
+
+/// A walk with the pictures of its page.
+pub(super) fn pictured_sweep(variants: &[Variant]) -> (Sweep, SweepPictures) {
+    let scene = scene("cluster", "uniform");
+    let options = sweep_options(&scene, variants, Shard::WHOLE);
+    let mut pictures = SweepPictures::default();
+    let see = |at, frame: &Frame| -> Result<(), RunError> {
+        pictures.add(at, frame).expect("a picture");
+        Ok(())
     };
-    sweep(&scene, &world(), &options, &Silent).expect("memory suffices")
+    let sweep = sweep_seen(&scene, &world(), &options, &Silent, see).expect("memory suffices");
+    (sweep, pictures)
 }
 
 const STEP: &str = "level leaves triangles collapses splits clusters_touched host_records upload \
@@ -51,13 +71,13 @@ const STEP: &str = "level leaves triangles collapses splits clusters_touched hos
 fn sweeps_have_the_keys_of_the_contract_and_all_files() {
     let root = tempfile::tempdir().unwrap();
     let target = root.path().join("sweep");
-    let sweep = tiny_sweep();
+    let (sweep, pictures) = pictured_sweep(&Variant::ALL);
     let folder = OutputFolder::create(&target).unwrap();
-    write_sweep(&folder, &sweep_header(), &sweep, None).unwrap();
+    write_sweep(&folder, &sweep_header(), &sweep, None, &pictures).unwrap();
     folder.commit().unwrap();
     let names: Vec<String> = files(&target).into_keys().collect();
     let wanted = ".spinney plots/covered.svg plots/cumulated.svg plots/extraction.svg \
-        plots/frame-time.svg plots/leaves.svg plots/payload.svg report.html sweep.csv sweep.json table.md";
+        plots/frame-time.svg plots/leaves.svg plots/pareto.svg plots/payload.svg report.html sweep.csv sweep.json table.md";
     assert_eq!(names, words(wanted));
 
     let text = read(&target, "sweep.json");
@@ -100,7 +120,23 @@ fn sweeps_have_the_keys_of_the_contract_and_all_files() {
     assert_eq!(csv.lines().count(), 1 + 5 * Variant::ALL.len());
     let columns = csv.lines().map(|line| line.split(',').count());
     assert!(columns.into_iter().all(|count| count == 26), "{csv}");
-    assert_self_contained(&read(&target, "report.html"));
+    let html = read(&target, "report.html");
+    assert_self_contained(&html);
+    // Five levels; what has none shows full detail at all of them.
+    assert_eq!(html.matches("<img ").count(), 5);
+    assert!(
+        html.contains("data-shows=\"0,0,0,0,0;0,1,2,3,4;"),
+        "models share pictures"
+    );
+    assert!(html.contains("<code># resolved &amp; &lt;walked&gt;</code>"));
+    for text in [
+        "Which models nothing beats",
+        "lodf-host",
+        "fetched, B",
+        "draw-count",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
     assert!(read(&target, "table.md").starts_with("| model | first upload, B | payload, B |"));
 }
 
@@ -153,7 +189,14 @@ fn quality_is_the_same_for_all_models_and_told_in_every_form() {
     assert_eq!(notes[1], agreement);
 
     let folder = OutputFolder::create(&target).unwrap();
-    write_sweep(&folder, &sweep_header(), &sweep, Some(&quality)).unwrap();
+    write_sweep(
+        &folder,
+        &sweep_header(),
+        &sweep,
+        Some(&quality),
+        &SweepPictures::default(),
+    )
+    .unwrap();
     folder.commit().unwrap();
     let value: Value = serde_json::from_str(&read(&target, "sweep.json")).unwrap();
     for model in value["models"].as_array().unwrap() {
@@ -235,7 +278,14 @@ fn pruned_foliage_is_looked_at_beside_the_scenes() {
     let root = tempfile::tempdir().unwrap();
     let target = root.path().join("sweep");
     let folder = OutputFolder::create(&target).unwrap();
-    write_sweep(&folder, &sweep_header(), &sweep, Some(&quality)).unwrap();
+    write_sweep(
+        &folder,
+        &sweep_header(),
+        &sweep,
+        Some(&quality),
+        &SweepPictures::default(),
+    )
+    .unwrap();
     folder.commit().unwrap();
     let plot = read(&target, "plots/quality-area.svg");
     assert!(plot.contains("leaves, pruned"), "{plot}");
@@ -247,8 +297,11 @@ fn joined_shards_tell_of_the_levels_what_all_tell() {
     let quality = tiny_quality(&BOTH_FOLIAGES);
     let write = |name: &str, sweep: &Sweep, quality: &SweepQuality, shard: Option<Shard>| {
         let target = root.path().join(name);
-        let folder = OutputFolder::create(&target).unwrap();
-        write_sweep(&folder, &sweep_header(), sweep, Some(quality)).unwrap();
+        let (folder, none) = (
+            OutputFolder::create(&target).unwrap(),
+            SweepPictures::default(),
+        );
+        write_sweep(&folder, &sweep_header(), sweep, Some(quality), &none).unwrap();
         if let Some(shard) = shard {
             let share = SweepShare {
                 shard,
@@ -257,7 +310,8 @@ fn joined_shards_tell_of_the_levels_what_all_tell() {
                 steps: 4,
                 looks: Some(1),
             };
-            write_sweep_shard(&folder, &sweep_header(), share, sweep, Some(quality)).unwrap();
+            write_sweep_shard(&folder, &sweep_header(), share, sweep, Some(quality), &none)
+                .unwrap();
         }
         folder.commit().unwrap();
         target
@@ -377,7 +431,14 @@ fn own_trunks_and_quantised_vertices_are_judged_by_pictures_of_their_own() {
         let target = root.path().join(name);
         let folder = OutputFolder::create(&target).unwrap();
         let (sweep, quality) = (walk(shard), look(shard));
-        write_sweep(&folder, &sweep_header(), &sweep, Some(&quality)).unwrap();
+        write_sweep(
+            &folder,
+            &sweep_header(),
+            &sweep,
+            Some(&quality),
+            &SweepPictures::default(),
+        )
+        .unwrap();
         if shard != Shard::WHOLE {
             let share = SweepShare {
                 shard,
@@ -386,7 +447,15 @@ fn own_trunks_and_quantised_vertices_are_judged_by_pictures_of_their_own() {
                 steps: 2,
                 looks: Some(2),
             };
-            write_sweep_shard(&folder, &sweep_header(), share, &sweep, Some(&quality)).unwrap();
+            write_sweep_shard(
+                &folder,
+                &sweep_header(),
+                share,
+                &sweep,
+                Some(&quality),
+                &SweepPictures::default(),
+            )
+            .unwrap();
         }
         folder.commit().unwrap();
         target
