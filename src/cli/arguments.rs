@@ -76,6 +76,15 @@ pub(super) enum Command {
     Run(RunOptions),
     /// Walk the axis of detail from 0 to 1 for several models
     Sweep(SweepOptions),
+    /// Draw levels as they are asked for, a line each on standard input
+    ///
+    /// A line is a level from 0, full detail, to 1, and may name a frame of the camera's path, such as
+    /// `0.25` or `0.25 12`; or `model LABEL`, as of `sweep --models` or that of cards such as
+    /// `impostors-direct`, which begins anew at full detail. Every line is answered by one of JSON: what the
+    /// change of detail and drawing took, as a frame in `ledger.json`; first comes one that tells what was
+    /// sent before. A line that says nothing known is answered by an `error`. With `-o FILE.png`, or
+    /// `FILE.rgba` for bare rows of R, G, B, A from the top, FILE is replaced before each answer.
+    Step(StepOptions),
     /// Measure how each plant's foliage moves when the camera moves sideways, model by model
     Parallax(ParallaxOptions),
     /// Hold what stands in for leaves against them: looks at three scales, bytes, frame times
@@ -184,6 +193,21 @@ pub(super) struct SweepOptions {
     /// that of --link; draws nothing, so it is quick
     #[arg(long, conflicts_with_all = ["quality", "size", "samples", "frames", "counters", "shard"])]
     pub(super) bytes: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct StepOptions {
+    /// Scene file
+    pub(super) scene: PathBuf,
+    /// Pixels of a picture, such as 640x480, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Samples a pixel, 1 or 4, in place of the scene's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4))]
+    pub(super) samples: Option<u32>,
+    /// `exact` rasterizes everything and models the card's time, `visible` is faster
+    #[arg(long, value_enum)]
+    pub(super) counters: Option<CounterChoice>,
 }
 
 #[derive(Debug, Args)]

@@ -115,7 +115,7 @@ fn imported_facts(path: &Path, foliage: &[String]) -> Result<Facts, CliError> {
 /// What a plant holds.
 pub(super) fn plant_facts(plant: &Plant) -> Facts {
     let bounds = plant.bounds();
-    let size = bounds.size();
+    let (size, center) = (bounds.size(), bounds.center());
     let metres = |value: f32| json!((f64::from(value) * 1000.0).round() / 1000.0);
     let groups: Vec<Value> = plant
         .foliage()
@@ -163,6 +163,10 @@ pub(super) fn plant_facts(plant: &Plant) -> Facts {
         (
             "lowest_m",
             metres(if bounds.is_empty() { 0.0 } else { bounds.min.y }),
+        ),
+        (
+            "center_m",
+            json!({ "x": metres(center.x), "y": metres(center.y), "z": metres(center.z) }),
         ),
         ("plant_digest", plant.digest().to_string().into()),
     ]

@@ -30,6 +30,7 @@ mod progress;
 mod run;
 mod selftest;
 mod stand_ins;
+mod step;
 mod storage;
 mod sweep;
 mod terminal;
@@ -81,6 +82,7 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
         Command::Explain(options) => return explain::explain(options, shared, terminal),
         Command::Run(options) => run::run(options, shared, terminal),
         Command::Sweep(options) => sweep::sweep(options, shared, terminal),
+        Command::Step(options) => step::step(options, shared, terminal),
         Command::Parallax(options) => parallax::parallax(options, shared, terminal),
         Command::Merge(options) => merge::merge(options, shared, terminal),
         Command::Storage(options) => storage::storage(options, shared, terminal),

@@ -71,7 +71,9 @@ pub use stand_ins::{
     CURVE_VIEWS, ClusterLook, CurvePoint, Leaves, StandIn, StandInCost, StandInFound, StandInLook,
     StandInOptions, ViewScale, stand_ins,
 };
-pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, sweep, sweep_seen};
+pub use sweep::{
+    Sweep, SweepModel, SweepOptions, SweepStep, Variant, finest, sweep, sweep_seen,
+};
 pub use transparency::{TransparencyLook, TransparencyWay, transparency_looks, transparency_ways};
 pub use views::{Shot, VIEW_SIDE, Views, corner_directions, directions};
 pub use world::{StandingGrove, StandingTree, World, crown};

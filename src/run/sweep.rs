@@ -110,7 +110,8 @@ impl Variant {
     }
 
     /// How a session walks it; what the variant leaves open is as in `usual`.
-    pub(super) fn session(self, usual: &SessionOptions) -> SessionOptions {
+    #[must_use]
+    pub fn session(self, usual: &SessionOptions) -> SessionOptions {
         let gather = match self.gathered {
             true => Gather::Regions,
             false => Gather::Single,
@@ -480,7 +481,8 @@ impl Walk<'_> {
 }
 
 /// The scene as a walk begins: at full detail, whatever the distance.
-pub(super) fn finest(scene: &Scene) -> Scene {
+#[must_use]
+pub fn finest(scene: &Scene) -> Scene {
     let mut finest = scene.clone();
     finest.model.level = Some(0.0);
     finest.model.budget_bytes = None;

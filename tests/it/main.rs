@@ -45,6 +45,7 @@ mod shards;
 mod shrinking;
 mod simplify_props;
 mod stand_ins;
+mod step;
 mod strokes;
 mod support;
 mod threads;

@@ -3,28 +3,43 @@
 use super::Session;
 use crate::math::{index_u32, whole_u32};
 use crate::models::{
-    Camera, CardLevel, Criterion, Crown, Extent, Sight, State, TreeChange, TreeState, Trunk,
+    Camera, CardLevel, Criterion, Crown, Extent, Kind, Sight, State, TreeChange, TreeState, Trunk,
     TrunkLevel,
 };
 use crate::run::RunError;
 use crate::run::selector::Selector;
 use crate::run::world::StandingTree;
-use crate::scene;
+use crate::scene::{self, ModelChoice};
 
 impl Session<'_> {
     /// The state of every tree at a frame, from what stands: the first is chosen freely, and what a
     /// scene's band of hysteresis holds back stays. A budget of bytes is not looked at.
     #[must_use]
     pub fn select(&self, frame: u32) -> Vec<TreeState> {
-        let model = &self.scene.model;
+        self.selected(frame, &self.selector, &self.scene.model)
+    }
+
+    /// The state of every tree at a level from 0, full detail, to 1, the coarsest: as at a frame of a scene
+    /// that fixes `model.level` and `model.trunk_level` there. What stands changes nothing.
+    #[must_use]
+    pub fn at_level(&self, frame: u32, level: f32) -> Vec<TreeState> {
+        let model = ModelChoice {
+            level: Some(level),
+            trunk_level: Some(level),
+            ..self.scene.model
+        };
+        self.selected(frame, &Selector::new(Kind::LodfHost, &model), &model)
+    }
+
+    fn selected(&self, frame: u32, selector: &Selector, model: &ModelChoice) -> Vec<TreeState> {
         let view = self.scene.camera.at(frame, self.size);
         let state = |(number, tree): (usize, &StandingTree)| {
             let crown = &self.world.crowns[tree.crown];
             let all = crown.sequence().collapse_count();
             let present = self.residents.get(number).map(|resident| resident.state());
             // What foliage with levels shows, and how far the trunk goes with it.
-            let axis = self.selector.chosen(crown, tree, &view, present);
-            let far = self.far_cards(crown, tree, &view, present);
+            let axis = selector.chosen(crown, tree, &view, present);
+            let far = self.far_cards(selector, crown, tree, &view, present);
             let trunk = self.world.trunks[tree.crown].as_ref();
             let trunk = trunk.filter(|_| self.trunk.has_levels() && !self.paints_trunk(tree.crown));
             TreeState {
@@ -49,12 +64,12 @@ impl Session<'_> {
                     (true, false) => State::FINEST,
                     (false, _) => match &self.paintings[tree.crown] {
                         Some(painting) => {
-                            let cut = self.selector.strokes(painting, tree, &view, present);
+                            let cut = selector.strokes(painting, tree, &view, present);
                             State::Strokes(cut)
                         }
                         None => {
                             let levels = self.card_levels;
-                            let level = self.selector.cards(crown, tree, &view, present, levels);
+                            let level = selector.cards(crown, tree, &view, present, levels);
                             State::Cards(level)
                         }
                     },
@@ -67,6 +82,7 @@ impl Session<'_> {
     /// The level of the cards that stand for a tree's leaves far away; `None` where leaves show.
     fn far_cards(
         &self,
+        selector: &Selector,
         crown: &Crown,
         tree: &StandingTree,
         view: &scene::View,
@@ -74,8 +90,7 @@ impl Session<'_> {
     ) -> Option<CardLevel> {
         let far = self.scene.cards.far.filter(|_| self.kind.shows_leaves())?;
         let levels = index_u32(self.scene.cards.levels.as_slice().len());
-        self.selector
-            .far_cards(crown, tree, view, present, (far.range, levels))
+        selector.far_cards(crown, tree, view, present, (far.range, levels))
     }
 
     /// Goes over to the detail of a frame, as far as the scene's budget of bytes allows; what it

@@ -401,6 +401,16 @@ impl<'w> Session<'w> {
         self.draw(frame, change)
     }
 
+    /// Goes over to a level from 0 to 1, as [`at_level`](Self::at_level) has it, and draws a frame there.
+    ///
+    /// # Errors
+    ///
+    /// None on this session's own device.
+    pub fn frame_at(&mut self, frame: u32, level: f32) -> Result<Frame, RunError> {
+        let states = self.at_level(frame, level);
+        self.frame_of(frame, &states)
+    }
+
     /// Sends the view of a frame, as drawing it would, and drops what was counted.
     pub(in crate::run) fn forget(&mut self, frame: u32) -> Result<(), RunError> {
         self.set_view(frame)?;
