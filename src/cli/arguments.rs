@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 
+use super::tree_arguments::{BuildOptions, CompareArguments};
 use crate::gpu::{Card, Link};
 use crate::limits::DEVICE_BYTES;
 use crate::run::Shard;
@@ -101,6 +102,10 @@ pub(super) enum Command {
     Inspect(InspectOptions),
     /// Generate a plant from a species file
     Grow(GrowOptions),
+    /// Make levels of detail of an own tree, for other programs
+    Build(BuildOptions),
+    /// Hold every scheme against the others on an own tree: bytes, error, times, and which to take
+    Compare(CompareArguments),
     /// Compare scenes with what they showed when somebody last looked
     Golden(GoldenOptions),
     /// Compare two images or two run folders

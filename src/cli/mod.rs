@@ -10,9 +10,11 @@
 
 mod arguments;
 mod branches;
+mod build;
 mod bytes;
 mod cache;
 mod check_trace;
+mod compare;
 mod diff;
 mod error;
 mod explain;
@@ -21,6 +23,7 @@ mod golden;
 mod grow;
 mod inspect;
 mod merge;
+mod own_tree;
 mod paint;
 mod parallax;
 mod prepare;
@@ -34,6 +37,7 @@ mod step;
 mod storage;
 mod sweep;
 mod terminal;
+mod tree_arguments;
 
 use std::ffi::OsString;
 
@@ -86,6 +90,8 @@ fn dispatch(arguments: &Arguments, terminal: &Terminal) -> Result<Verdict, CliEr
         Command::Parallax(options) => parallax::parallax(options, shared, terminal),
         Command::Merge(options) => merge::merge(options, shared, terminal),
         Command::Storage(options) => storage::storage(options, shared, terminal),
+        Command::Build(options) => build::build(options, shared, terminal),
+        Command::Compare(options) => compare::compare(options, shared, terminal),
         Command::Inspect(options) => inspect::inspect(options, shared, terminal),
         Command::Grow(options) => grow::grow(options, shared, terminal),
         Command::Help(options) => match options.topic {

@@ -78,7 +78,7 @@ mod viewpoint;
 use std::sync::Arc;
 
 pub use branches::{BRANCH_GROUP, NEEDLE_GROUP};
-pub use cards::LeafMapFacts;
+pub use cards::{ImpostorMesh, LeafMapFacts, impostor_meshes};
 pub use crown::Crown;
 pub use environment::{Camera, Environment, Placement, View};
 pub use errors::LeafErrors;

@@ -18,7 +18,9 @@
 mod axis;
 mod branches;
 mod bytes;
+mod chain;
 mod channels;
+mod compare;
 mod diff;
 mod file;
 mod folder;
@@ -52,7 +54,12 @@ pub use bytes::{
     BYTES_SCHEMA, ByteReport, bytes_csv, bytes_json, bytes_markdown, bytes_page, bytes_plots,
     bytes_text, write_bytes,
 };
+pub use chain::{BUILD_SCHEMA, ChainReport, chain_json, chain_text, write_chain};
 pub use channels::{Channel, ImageFile, SampleKind};
+pub use compare::{
+    COMPARE_SCHEMA, CompareReport, STAY, SchemeSums, compare_json, compare_text, mean_flip,
+    write_compare,
+};
 pub use diff::{
     ChannelDifference, ChannelDifferences, DIFF_SCHEMA, DiffFolder, Difference, FieldDifference,
     FileDifference, FileState, Flip, FrameDifference, ImageDifference, LookDifference, Metrics,

@@ -10,11 +10,11 @@
 use super::{SessionOptions, World};
 use crate::limits;
 use crate::math::{Mat4, Vec2, Vec3, index_u32};
-use crate::models::{Crown, ErrorStep, Kind, Placement, State, TreeState, Trunk, TrunkLevel};
+use crate::models::{Crown, Kind, Placement, State, TreeState, Trunk, TrunkLevel};
 use crate::plant::gltf::{ExportError, InstancedMesh, MeshPlace, TextureRim, export_instances};
 use crate::plant::{Material, Mesh};
 use crate::scene::View;
-use crate::simplify::BranchMesh;
+use crate::simplify::{BranchLevel, BranchMesh};
 
 /// A frame's triangles and camera as files.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,7 +82,7 @@ pub fn export_frame(
                 };
                 let shown = level.and_then(|level| options.trunk.shown_step(trunk, level));
                 let parts = match shown {
-                    Some(step) => branch_meshes(trunk, step),
+                    Some(step) => branch_meshes(trunk, &trunk.branch_level(step)),
                     None => vec![("trunk", trunk_mesh(trunk, level))],
                 };
                 let plant = world.crowns[number].plant().name();
@@ -186,7 +186,7 @@ fn drawn(crown: &std::sync::Arc<Crown>, options: &SessionOptions, state: &State)
 }
 
 /// A mesh for each group of a plant that some of the leaves belong to.
-fn leaf_meshes<'a>(
+pub(super) fn leaf_meshes<'a>(
     crown: &'a Crown,
     positions: &'a [Vec3],
     leaves: &'a [u32],
@@ -219,7 +219,7 @@ fn leaf_meshes<'a>(
 }
 
 /// A mesh for each group of leaves of several faces.
-fn face_meshes(crown: &Crown) -> impl Iterator<Item = (String, Mesh)> + '_ {
+pub(super) fn face_meshes(crown: &Crown) -> impl Iterator<Item = (String, Mesh)> + '_ {
     let groups = crown.plant().foliage().face_groups();
     groups.filter_map(|found| {
         let mut mesh = blank(&found.group.material);
@@ -242,7 +242,7 @@ fn face_meshes(crown: &Crown) -> impl Iterator<Item = (String, Mesh)> + '_ {
 }
 
 /// The triangles of a trunk, with the vertices that they use.
-fn trunk_mesh(trunk: &Trunk, level: Option<TrunkLevel>) -> Mesh {
+pub(super) fn trunk_mesh(trunk: &Trunk, level: Option<TrunkLevel>) -> Mesh {
     let mesh = trunk.mesh();
     let corners: Vec<u32> = match level {
         None => mesh.indices.clone(),
@@ -271,8 +271,7 @@ fn trunk_mesh(trunk: &Trunk, level: Option<TrunkLevel>) -> Mesh {
 }
 
 /// The polygons of branches and of needles at an error; what are lines cannot be told as triangles.
-fn branch_meshes(trunk: &Trunk, step: ErrorStep) -> Vec<(&'static str, Mesh)> {
-    let level = trunk.branch_level(step);
+pub(super) fn branch_meshes(trunk: &Trunk, level: &BranchLevel) -> Vec<(&'static str, Mesh)> {
     let bark = &trunk.mesh().material;
     let needles = trunk.needle_material().unwrap_or(bark);
     let parts = [

@@ -11,6 +11,9 @@
 mod branches;
 mod bytes;
 mod cache;
+mod chain;
+mod collapse_file;
+mod compare;
 mod crowns;
 mod export;
 mod frame;
@@ -43,6 +46,9 @@ pub use branches::{
 };
 pub use bytes::{ByteOptions, ModelBytes, PlantBytes, StepBytes, StepTraffic, bytes};
 pub use cache::{CacheLimit, ModelCache};
+pub use chain::{ChainOptions, LodChain, Rung, lod_chain};
+pub use collapse_file::{COLLAPSE_SCHEMA, collapse_file};
+pub use compare::{COMPARE_VIEWS, CompareOptions, Judge, SchemeFound, SchemeStep, compare};
 pub use crowns::CrownStore;
 pub use export::{FrameExport, camera_json, export_frame};
 pub use frame::Frame;
@@ -71,9 +77,7 @@ pub use stand_ins::{
     CURVE_VIEWS, ClusterLook, CurvePoint, Leaves, StandIn, StandInCost, StandInFound, StandInLook,
     StandInOptions, ViewScale, stand_ins,
 };
-pub use sweep::{
-    Sweep, SweepModel, SweepOptions, SweepStep, Variant, finest, sweep, sweep_seen,
-};
+pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, finest, sweep, sweep_seen};
 pub use transparency::{TransparencyLook, TransparencyWay, transparency_looks, transparency_ways};
 pub use views::{Shot, VIEW_SIDE, Views, corner_directions, directions};
 pub use world::{StandingGrove, StandingTree, World, crown};

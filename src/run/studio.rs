@@ -91,6 +91,33 @@ impl Studio {
         Ok(())
     }
 
+    /// Goes over to another state, and tells what that sent.
+    ///
+    /// # Errors
+    ///
+    /// None on this device.
+    pub(super) fn change_to(&mut self, state: &State) -> Result<Ledger, RunError> {
+        self.device.take_ledger();
+        self.show(state)?;
+        Ok(self.device.take_ledger())
+    }
+
+    /// Draws pictures of another side from now on.
+    ///
+    /// # Errors
+    ///
+    /// When the device has no targets of that size.
+    pub(super) fn resize(&mut self, side: u32) -> Result<(), RunError> {
+        self.target = self.device.create_target(&TargetDescriptor {
+            label: "view",
+            width: side,
+            height: side,
+            samples: Samples::One,
+        })?;
+        self.device.take_ledger();
+        Ok(())
+    }
+
     /// Draws what a view shows, and tells what that took.
     ///
     /// # Errors

@@ -169,7 +169,7 @@ impl Views {
 }
 
 /// The orthographic view from `direction` onto a sphere.
-fn look_along(direction: Vec3, sphere: Sphere) -> Mat4 {
+pub(super) fn look_along(direction: Vec3, sphere: Sphere) -> Mat4 {
     let forward = -direction;
     let [right, up] = across(direction);
     let scale = SPHERE_SHARE / sphere.radius;

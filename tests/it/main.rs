@@ -31,6 +31,7 @@ mod mass;
 mod model_contracts;
 mod near_far;
 mod occlusion;
+mod own_trees;
 mod parallax;
 mod program;
 mod pruned;

@@ -357,6 +357,37 @@ impl<'p> Writer<'p> {
         node.value()
     }
 
+    /// How many nodes stand in the scene itself.
+    pub(super) fn root_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Hangs the nodes of the scene from number `first` on below a new one.
+    pub(super) fn gather(&mut self, name: &str, first: usize) -> usize {
+        let children = self.nodes.split_off(first);
+        let node = self.root.push(gltf_json::Node {
+            children: (!children.is_empty()).then_some(children),
+            name: Some(name.to_owned()),
+            ..gltf_json::Node::default()
+        });
+        self.nodes.push(node);
+        node.value()
+    }
+
+    /// Leaves only the first `count` nodes in the scene itself.
+    pub(super) fn keep_roots(&mut self, count: usize) {
+        self.nodes.truncate(count);
+    }
+
+    /// A material of one colour.
+    pub(super) fn plain_material(
+        &mut self,
+        material: &Material,
+        alpha_mode: AlphaMode,
+    ) -> Index<gltf_json::Material> {
+        self.material_with(material, alpha_mode, None)
+    }
+
     pub(super) fn material(
         &mut self,
         material: &'p Material,
@@ -368,6 +399,15 @@ impl<'p> Writer<'p> {
             extensions: None,
             extras: None,
         });
+        self.material_with(material, alpha_mode, texture)
+    }
+
+    fn material_with(
+        &mut self,
+        material: &Material,
+        alpha_mode: AlphaMode,
+        texture: Option<texture::Info>,
+    ) -> Index<gltf_json::Material> {
         // What glTF allows; the exact numbers are in the record.
         let base_color = material.base_color.map(|channel| channel.min(1.0));
         let is_leaf = alpha_mode == AlphaMode::Mask;

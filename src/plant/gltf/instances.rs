@@ -104,7 +104,7 @@ fn with_crowds(root: &Root, crowds: &[Crowd]) -> Value {
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// What the geometry of a mesh takes.
-fn least_bytes(mesh: &Mesh) -> u64 {
+pub(super) fn least_bytes(mesh: &Mesh) -> u64 {
     32 * mesh.positions.len() as u64 + 4 * mesh.indices.len() as u64
 }
 
@@ -168,7 +168,7 @@ fn add<'m>(writer: &mut Writer<'m>, standing: &'m InstancedMesh) -> Option<Crowd
 }
 
 /// Says how a material's texture is read. An image that is read in two ways has two textures.
-fn set_sampler(writer: &mut Writer<'_>, material: Index<Material>, rim: TextureRim) {
+pub(super) fn set_sampler(writer: &mut Writer<'_>, material: Index<Material>, rim: TextureRim) {
     let root = &mut writer.root;
     let base = &mut root.materials[material.value()].pbr_metallic_roughness;
     let Some(info) = &mut base.base_color_texture else {

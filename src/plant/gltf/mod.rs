@@ -9,6 +9,7 @@
 //!                                         Plant, exact               rest  ─▶ trunk mesh
 //!
 //!  Plant ─export_glb─▶ .glb: meshes that any viewer draws, and `extras.spinney` with the rest
+//!  levels of detail ─export_chain─▶ .glb: each a node, with MSFT_lod
 //!  meshes at their places ─export_instances─▶ .glb: what a frame draws, for other renderers
 //! ```
 //!
@@ -23,6 +24,7 @@
 mod accessor;
 mod buffers;
 mod cards;
+mod chain;
 mod container;
 mod error;
 mod export;
@@ -44,6 +46,7 @@ mod uri;
 #[cfg(test)]
 mod tests;
 
+pub use chain::{ChainLevel, ChainPart, Sides, export_chain};
 pub use error::{ExportError, ImportError};
 pub use export::export_glb;
 pub use import::{import, import_bytes};

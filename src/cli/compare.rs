@@ -1,0 +1,86 @@
+//! `spinney compare`: which scheme for a tree of one's own, and what it costs.
+
+use super::arguments::Shared;
+use super::error::CliError;
+use super::own_tree::OwnTree;
+use super::run::folder;
+use super::terminal::Terminal;
+use super::tree_arguments::CompareArguments;
+use crate::gpu::Card;
+use crate::models::Kind;
+use crate::raster::{Counters, Options, TileSize};
+use crate::report::{
+    CompareReport, OutputFolder, compare_json, compare_text, mean_flip, write_compare,
+};
+use crate::run::{CompareOptions, SchemeFound, SessionOptions, Variant, compare as walk};
+
+pub(super) fn compare(
+    options: &CompareArguments,
+    shared: &Shared,
+    terminal: &Terminal,
+) -> Result<(), CliError> {
+    let progress = terminal.progress();
+    let tree = OwnTree::new(&options.file, &options.plant, shared, terminal, &progress)?;
+    let target = folder(shared, &format!("{}-compare", tree.scene.name));
+    // Before the work, so that a path that cannot be written is told at once.
+    let output = OutputFolder::create(&target)?;
+    let raster = Options {
+        tile: TileSize::Side64,
+        counters: Counters::Exact,
+    };
+    let session = SessionOptions::of(&tree.scene, raster)?;
+    let wanted = CompareOptions {
+        variants: schemes(session.card),
+        side: options.side,
+        distances: options.distances,
+        tolerance: options.tolerance,
+        session,
+    };
+    let crown = &tree.world.crowns[0];
+    let mut report = CompareReport {
+        plant: crown.plant().name().to_owned(),
+        leaves: crown.plant().foliage().leaf_count() as u64,
+        link: session.link,
+        card: session.card,
+        tolerance: options.tolerance,
+        remarks: tree.world.remarks.clone(),
+        schemes: Vec::new(),
+    };
+    let mut judge =
+        |full: &[_], level: &[_]| -> Result<f64, CliError> { Ok(mean_flip(full, level)?) };
+    let take = |found: SchemeFound| -> Result<(), CliError> {
+        report.schemes.push(found);
+        Ok(())
+    };
+    walk(&tree.world, &wanted, &progress, &mut judge, take)?;
+    drop(progress);
+    write_compare(&output, &report)?;
+    output.commit()?;
+    if shared.json {
+        return terminal.print(&compare_json(&report));
+    }
+    let mut text = compare_text(&report, terminal.width());
+    text.push_str(&format!(
+        "\n{}: report.html, tables, plots, sheet.png\n",
+        target.display()
+    ));
+    terminal.print(&text)
+}
+
+/// All that a card can do at a level that is asked for.
+fn schemes(card: Card) -> Vec<Variant> {
+    let pruned = Variant::usual(Kind::LodfStamps).pruned();
+    let cards = [
+        Kind::Impostors,
+        Kind::IndirectImpostors,
+        Kind::FacingBillboard,
+        Kind::Sprites,
+        Kind::CrossedCards,
+        Kind::Octahedral,
+    ];
+    let all = Variant::ALL.into_iter().chain([pruned]);
+    let all = all.chain(cards.map(Variant::usual));
+    // Those that choose their own detail by the camera are not asked to be as coarse as others.
+    all.filter(|variant| variant.runs_on(card) && !variant.kind.selects())
+        .collect()
+}
