@@ -20,7 +20,7 @@ pub(super) fn compare(
     terminal: &Terminal,
 ) -> Result<(), CliError> {
     let progress = terminal.progress();
-    let tree = OwnTree::new(&options.file, &options.plant, shared, terminal, &progress)?;
+    let mut tree = OwnTree::new(&options.file, &options.plant, shared, terminal, &progress)?;
     let target = folder(shared, &format!("{}-compare", tree.scene.name));
     // Before the work, so that a path that cannot be written is told at once.
     let output = OutputFolder::create(&target)?;
@@ -28,6 +28,7 @@ pub(super) fn compare(
         tile: TileSize::Side64,
         counters: Counters::Exact,
     };
+    tree.scene.cards.texture = options.texture;
     let session = SessionOptions::of(&tree.scene, raster)?;
     let wanted = CompareOptions {
         variants: schemes(session.card),

@@ -133,7 +133,7 @@ struct Refusal<'a> {
 /// What a line asks for.
 enum Asked {
     Level { level: f32, frame: u32 },
-    Model(Model),
+    Model(Box<Model>),
 }
 
 /// A model and how a session has it.
@@ -179,7 +179,7 @@ impl<'w> Stage<'w> {
     fn asked(&self, line: &str) -> Result<Asked, String> {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
-            ["model", label] => self.model(label).map(Asked::Model),
+            ["model", label] => self.model(label).map(Box::new).map(Asked::Model),
             [level] => Ok(Asked::Level {
                 level: level_of(level)?,
                 frame: 0,
@@ -188,7 +188,7 @@ impl<'w> Stage<'w> {
                 level: level_of(level)?,
                 frame: self.frame_of(frame)?,
             }),
-            _ => Err(format!("{line:?}: {WANTED}")),
+            _ => Err(format!("{:?}: {WANTED}", line.trim())),
         }
     }
 

@@ -45,6 +45,9 @@ pub(super) struct CompareArguments {
     /// Distances, each twice the one before
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub(super) distances: u32,
+    /// Sides of a card's texture, in texels
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(8..=2048))]
+    pub(super) texture: u32,
     /// Greatest difference from full detail that goes unseen, as FLIP from 0 to 1
     #[arg(long, value_name = "FLIP", default_value_t = 0.05, value_parser = tolerance)]
     pub(super) tolerance: f64,

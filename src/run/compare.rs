@@ -13,6 +13,7 @@
 //! All of it is of the foliage alone.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 use super::RunError;
@@ -119,12 +120,12 @@ pub fn compare<E: From<RunError>>(
             .kind
             .model(&crown, variant.session(&options.session).model);
         let levels = if variant.kind.shows_leaves() {
-            if !chosen.contains_key(&variant.pruned) {
-                let found = walk.choose_leaves(&crown, judge)?;
-                chosen.insert(variant.pruned, found);
-            }
+            let known = match chosen.entry(variant.pruned) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(room) => room.insert(walk.choose_leaves(&crown, judge)?),
+            };
             match variant.kind.has_levels() {
-                true => chosen[&variant.pruned].clone(),
+                true => known.clone(),
                 false => walk.full_detail(),
             }
         } else {

@@ -178,6 +178,8 @@ fn compared_schemes_are_as_coarse_as_is_allowed() {
             &[
                 "compare",
                 "shrub.glb",
+                "--texture",
+                "16",
                 "--side",
                 "64",
                 "--distances",
@@ -233,7 +235,7 @@ fn compared_schemes_are_as_coarse_as_is_allowed() {
             .iter()
             .all(|&bytes| bytes <= 4.0)
     );
-    let full = scheme(&loose, "full-resident");
+    let full = scheme(&loose, "full");
     assert_eq!(numbers(&full, "leaves"), [300.0; 3]);
     assert!(!loose["advice"].as_array().expect("a list").is_empty());
     let page = std::fs::read_to_string(folder.path().join("compared/report.html"));

@@ -39,10 +39,13 @@ pub fn impostor_meshes(
     };
     let [width, height] = atlas.size;
     let colour = Texture::new(width, height, atlas.colour[0].clone());
+    let colour = colour.ok_or_else(|| GpuError::Unsupported {
+        what: format!("an atlas of {width} × {height} texels as a texture"),
+    })?;
     let material = Material {
         name: "impostors".to_owned(),
         base_color: [1.0; 4],
-        texture: Some(colour.expect("an atlas fits a texture")),
+        texture: Some(colour),
         alpha_cutoff: CARD_ALPHA_CUTOFF,
     };
     let views = atlas.cells.len() / set.impostors.len().max(1);

@@ -92,7 +92,7 @@ pub fn merge(
             write_sweep(&folder, &header, &sweep, quality.as_ref(), &pictures)?;
             folder.commit()?;
             let merged = Merged::Sweep {
-                header,
+                header: *header,
                 sweep,
                 quality,
             };

@@ -69,7 +69,7 @@ enum Job {
     },
     /// The steps `0..=steps` of a walk.
     Sweep {
-        header: SweepHeader,
+        header: Box<SweepHeader>,
         /// As [`SweepShare::scene_digest`].
         scene_digest: Digest,
         /// Whether everything was rasterized and counted.
@@ -214,7 +214,7 @@ pub fn write_sweep_shard(
         looks,
     } = share;
     let job = Job::Sweep {
-        header: header.clone(),
+        header: Box::new(header.clone()),
         scene_digest,
         exact,
         steps,

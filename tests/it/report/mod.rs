@@ -148,9 +148,10 @@ fn words(text: &str) -> Vec<String> {
 fn assert_self_contained(html: &str) {
     assert!(html.len() < Page::MAX_BYTES, "{} bytes", html.len());
     // One script, which stands in the page, and a browser that may load nothing whatever it does.
-    assert_eq!(html.matches("<script").count(), 1);
+    assert_eq!(html.matches("<script").count(), 1, "scripts");
     let policy = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; ";
-    assert!(html.contains(policy) && html.contains("<script>\"use strict\";"));
+    let is_strict = html.contains("<script>\"use strict\";");
+    assert!(html.contains(policy) && is_strict, "its policy, its script");
     for way in ["<link", "<iframe", "<object", "@import", "url("] {
         assert!(!html.contains(way), "{way}");
     }
