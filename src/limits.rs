@@ -131,6 +131,8 @@ limits! {
     JSON_OBJECTS: u64 = 524_288, "objects";
     /// Values of any kind in the JSON of a plant file.
     JSON_VALUES: u64 = 16_777_216, "values";
+    /// Elements, texts and comments in the XML of a plant file: some 80 bytes of memory each.
+    XML_NODES: u32 = 16_777_216, "nodes";
     /// Primitives that a plant file places, counting each placement of a mesh.
     PLACED_PRIMITIVES: usize = 1_048_576, "primitives";
     /// Triangle corners that a foreign plant file places, counting each placement of a mesh: some 80
@@ -141,6 +143,13 @@ limits! {
     MATERIAL_GROUPS: usize = 64, "groups";
     /// Foliage groups of a plant file that is written: some 20 objects of JSON each.
     WRITTEN_GROUPS: usize = 16_384, "groups";
+
+    /// Cylinders or nodes of wood that a plant file holds: up to a kilobyte of memory each, with their mesh.
+    WOOD_SEGMENTS: usize = 2_000_000, "segments";
+    /// Columns of a table of cylinders or of a tree graph.
+    TABLE_COLUMNS: usize = 10_000, "columns";
+    /// Entities that one sign of a tree graph skips, each of them a segment.
+    SKIPPED_ENTITIES: u64 = 10_000, "entities";
 
     /// Kinds of foliage of a species: each is a material and a group of its own.
     SPECIES_KINDS: usize = 16, "kinds";

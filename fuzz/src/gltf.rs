@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use spinney::plant::gltf::{ImportOptions, export_glb, import_bytes};
+use spinney::plant::gltf::export_glb;
+use spinney::plant::import::{ImportOptions, import_bytes};
 use spinney::report::{ImageFile, Picture};
 
 /// Plant files: a `.glb`, a `.gltf` that holds its buffers, or, which mutates best, a document and
@@ -17,7 +18,11 @@ pub fn gltf(bytes: &[u8]) {
         _ => bytes,
     };
     for foliage in [vec![], vec!["leaf".to_owned()]] {
-        match import_bytes("fuzz.glb", file, None, &ImportOptions { foliage }) {
+        let options = ImportOptions {
+            foliage,
+            ..ImportOptions::default()
+        };
+        match import_bytes("fuzz.glb", file, None, &options) {
             Ok(imported) => {
                 for entry in &imported.report.entries {
                     _ = entry.to_string();
@@ -30,7 +35,7 @@ pub fn gltf(bytes: &[u8]) {
 }
 
 /// What is imported can be written, and comes back the same.
-fn returns(plant: &spinney::plant::Plant) {
+pub(crate) fn returns(plant: &spinney::plant::Plant) {
     let Ok(file) = export_glb(plant) else {
         return;
     };

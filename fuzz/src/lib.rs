@@ -1,7 +1,7 @@
 //! What the fuzz targets do with bytes: plain functions, so that tests replay them without a fuzzer.
 //!
 //! ```text
-//! seeds ──seed──▶ corpus/TARGET/ ──cargo fuzz run TARGET──▶ scene, species, gltf, png, exr, ops, trace
+//! seeds ──seed──▶ corpus/TARGET/ ──cargo fuzz run TARGET──▶ scene, species, gltf, obj, …
 //!   └────────────────────── cargo test ────────────────────────────────┘
 //! ```
 //!
@@ -10,15 +10,19 @@
 
 mod exr;
 mod gltf;
+mod import;
 mod seeds;
 mod species;
 mod trace;
+mod wood;
 
 pub use exr::exr;
 pub use gltf::{gltf, png};
+pub use import::{arbaro, obj, opf};
 pub use seeds::{seeds, words};
 pub use species::species;
 pub use trace::trace;
+pub use wood::wood;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -34,13 +38,17 @@ pub type Target = fn(&[u8]);
 
 /// Every target by its name.
 pub const TARGETS: &[(&str, Target)] = &[
+    ("arbaro", arbaro),
     ("exr", exr),
     ("gltf", gltf),
+    ("obj", obj),
+    ("opf", opf),
     ("ops", ops),
     ("png", png),
     ("scene", scene),
     ("species", species),
     ("trace", trace),
+    ("wood", wood),
 ];
 
 /// A text file's bytes as a document; `None` where they are no UTF-8, which reading refuses.

@@ -1,6 +1,7 @@
 //! The seed corpus: files of our own, each made from nothing or from `scenes/`, the same every time.
 
 mod gltf;
+mod import;
 mod png;
 
 use std::path::{Path, PathBuf};
@@ -18,13 +19,17 @@ use spinney::report::{Layer, LayerSamples, encode_exr};
 #[must_use]
 pub fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     match target {
+        "arbaro" => import::arbaro(),
         "gltf" => plants(),
+        "obj" => import::obj(),
+        "opf" => import::opf(),
         "exr" => layers(),
         "png" => png::images(),
         "ops" => ops(),
         "scene" => scenes(),
         "species" => species(),
         "trace" => traces(),
+        "wood" => woods(),
         _ => panic!("no target {target}"),
     }
 }
@@ -108,6 +113,36 @@ fn traces() -> Vec<(String, Vec<u8>)> {
             \"resident\":[\"0000\",\"07\"],\"reads\":[[0,0,1],[1,0,1]]}\n",
         ),
     ])
+}
+
+/// A small tree in every format of wood, once known by its content and once by a first byte.
+fn woods() -> Vec<(String, Vec<u8>)> {
+    let tree_qsm = "radius (m)\tlength (m)\tstart_point\taxis_direction\tparent\textension\tbranch\t\
+        branch_order\tposition_in_branch\tmad\tSurfCov\tadded\tUnmodRadius (m)\n\
+        0.2\t2\t7.1\t-3\t1\t0\t0\t1\t0\t2\t1\t0\t1\t0\t0\t0\t0.2\n\
+        0.1\t1\t7.1\t-3\t3\t0\t0\t1\t1\t0\t1\t0\t2\t0\t0\t0\t0.1\n\
+        0.1\t1\t7.1\t-3\t2\t1\t0\t0\t1\t0\t2\t1\t1\t0\t0\t1\t0.1\n";
+    let old = "2e-1 2 0 0 0 0 0 1 0 2 0 0.2 1 0 1\n1e-1 1 0 0 2 0 0 1 1 0 0 0.1 1 0 2\n";
+    let simple_forest = "ID, parentID, startX, startY, startZ, endX, endY, endZ, radius, branchID\n\
+        0, -1, 0, 0, 0, 0, 0, 1, 0.2, 0\n5, 0, 0, 0, 1, 1, 0, 2, 0.1, 1\n7, 5, 1, 0, 2, 1, 0, 2, 0, 1\n";
+    let archi = "\"startX\",\"startY\",\"startZ\",\"cyl_ID\",\"parent_ID\",\"extension_ID\",\"radius_cyl\",\
+        \"endX\",\"endY\",\"endZ\"\n0,0,0,1,0,2,0.2,0,0,1\n0,0,1,2,1,NA,0.1,0,1,2\n3,0,0,3,9,0,0.1,3,0,1\n";
+    let treefile = "# made by hand\nheight, x,y,z,radius,parent_id,red\n\
+        2, 5,5,0,0.3,-1,1, 5,5,1,0.2,0,1, 5,6,2,0.1,1,1,\n1, 8,5,0,0,-1,1, 8,5,1,0.1,0,1\n";
+    let mtg = "CODE:\tFORM-A\n\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n\
+        $\t0\tFREE\tFREE\tIMPLICIT\nP\t1\tFREE\tFREE\tEXPLICIT\nE\t2\tFREE\tFREE\tEXPLICIT\n\n\
+        DESCRIPTION:\nLEFT\tRIGHT\tRELTYPE\tMAX\nE\tE\t+\t?\n\nFEATURES:\nNAME\tTYPE\n\nMTG:\n\
+        ENTITY-CODE\t\tXX\tYY\tZZ\tTopDia\tNFe\tleaf_area\tLength\tWidth\tXEuler\n\
+        /P1/E1\t\t0\t0\t0\t40\n^<E2<<E5\t\t0\t1\t90\t30\t12\n\t+E1++E3\t9\t0\t95\t9\t\t40\n\
+        \t^+Leaf1\t\t\t\t\t\t\t5\t3\t60\n^<E6\n";
+    let texts = [tree_qsm, simple_forest, archi, treefile, mtg];
+    let names = ["tree_qsm", "simple_forest", "archi", "treefile", "mtg"];
+    let mut seeds = named(&[("old", old)]);
+    for ((byte, name), text) in (0_u8..).zip(names).zip(texts) {
+        seeds.push((name.to_owned(), text.as_bytes().to_vec()));
+        seeds.push((format!("told_{name}"), [&[byte], text.as_bytes()].concat()));
+    }
+    seeds
 }
 
 /// Layers in small EXR files.
@@ -262,6 +297,13 @@ pub fn words(target: &str) -> Vec<String> {
             words.extend(list(GLTF_VALUES));
             words
         }
+        "arbaro" => {
+            let mut words = list(ARBARO_KEYS);
+            words.extend(list("<param name=' ' value=' '/> <species> <!-- <!DOCTYPE &#0; 1e39 -1 nan"));
+            words
+        }
+        "obj" => list("v vt vn f o g usemtl mtllib s l p \\ // -1 0 1/1 1//1 1/1/1 1e39 1e-45 nan leaf"),
+        "opf" => list(OPF_NAMES),
         "exr" => list(EXR_NAMES),
         "png" => list(
             "IHDR PLTE tRNS IDAT IEND gAMA sRGB iCCP cHRM pHYs tEXt zTXt iTXt fcTL fdAT acTL bKGD",
@@ -298,13 +340,28 @@ pub fn words(target: &str) -> Vec<String> {
             words.extend(list("[0,1] {\"level\":0} {\"split\":1} {\"collapse\":1} \"00ff\" 4294967295 -1 1e9 null true"));
             words
         }
+        "wood" => list(WOOD_WORDS),
         _ => panic!("no target {target}"),
     }
 }
 
+const WOOD_WORDS: &str = "radius length start_point axis_direction parent extension branch ID parentID \
+    startX startY startZ endX endY endZ branchID cyl_ID parent_ID extension_ID radius_cyl axis_ID \
+    x,y,z,radius,parent_id CODE: CLASSES: FEATURES: MTG: ENTITY-CODE XX YY ZZ TopDia NFe leaf_area Length \
+    Width XEuler azimuth /P1 ^/E1 ^<E2 <<E9 +Leaf1 ++E4 NA NaN inf -1 1e308 1e-308 -0.0 4294967296 \" # \\t";
+
 const EXR_NAMES: &str = "channels chlist compression dataWindow displayWindow box2i lineOrder \
     pixelAspectRatio float screenWindowCenter v2f screenWindowWidth tiles tiledesc type string \
     scanlineimage tiledimage deepscanline deeptile chunkCount int version name view multiView";
+
+const ARBARO_KEYS: &str = "Shape Levels Scale ScaleV ZScale BaseSize Ratio RatioPower Flare Lobes LobeDepth \
+    0BaseSplits 0Scale 1Length 1Taper 1SegSplits 1SplitAngle 1CurveRes 1Curve 1CurveBack 1CurveV 1DownAngle \
+    1DownAngleV 1Rotate 1RotateV 1Branches 1BranchDist Leaves LeafShape LeafScale LeafScaleX LeafQuality \
+    LeafStemLen LeafBend AttractionUp PruneRatio PruneWidth PruneWidthPeak PrunePowerLow sphere disc1";
+
+const OPF_NAMES: &str = "<opf> <meshBDD> <mesh <points> <faces> <face> <textureCoords> <materialBDD> <material \
+    <diffuse> <shapeBDD> <shape <meshIndex> <materialIndex> <topology <decomp <follow <branch <geometry> \
+    <shapeIndex> <mat> <dUp> <dDwn> Id=\"0\" scale=\"3\" class=\"leaf\" enableScale=\"true\" <!DOCTYPE &#0; 1e39 nan";
 
 const TRACE_KEYS: &str = "schema spinney.trace/1 leaves collapses parts resources name bytes host level \
     clusters collapse split visible writes counted transfers resident reads fresh image to at hex";

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 
-use super::tree_arguments::{BuildOptions, CompareArguments};
+use super::tree_arguments::{BuildOptions, CompareArguments, PlantFileOptions};
 use crate::gpu::{Card, Link};
 use crate::limits::DEVICE_BYTES;
 use crate::run::Shard;
@@ -337,16 +337,15 @@ pub(super) struct StorageOptions {
 
 #[derive(Debug, Args)]
 pub(super) struct InspectOptions {
-    /// Scene, species, plant (.glb, .gltf) or image (.png)
+    /// Scene, species, plant of any format, or image (.png)
     pub(super) file: PathBuf,
-    /// Node, mesh or material of a plant file that is foliage; may be given several times
-    #[arg(long, value_name = "NAME")]
-    pub(super) foliage: Vec<String>,
+    #[command(flatten)]
+    pub(super) plant: PlantFileOptions,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct GrowOptions {
-    /// Species file
+    /// Species file: *.toml, a grammar *.rls, or Arbaro's *.xml
     pub(super) species: PathBuf,
     /// Seed of the individual
     #[arg(long, value_name = "N", default_value_t = 1)]

@@ -8,8 +8,8 @@ use super::arguments::{InspectOptions, Shared};
 use super::error::CliError;
 use super::terminal::Terminal;
 use crate::document::Document;
-use crate::plant::gltf::{ImportOptions, import};
-use crate::plant::{Plant, Prototype, SpeciesFile};
+use crate::plant::import::{Format, ImportOptions, Imported, import};
+use crate::plant::{LeafGroup, Plant, Prototype, SpeciesFile};
 use crate::raster::Image;
 use crate::report::Picture;
 use crate::scene::{Forest, PlantSource, SceneFile};
@@ -23,7 +23,6 @@ pub(super) fn inspect(
     terminal: &Terminal,
 ) -> Result<(), CliError> {
     let facts = match ending(&options.file).as_str() {
-        "glb" | "gltf" => imported_facts(&options.file, &options.foliage)?,
         "png" => image_facts(&options.file)?,
         "toml" => {
             let document = Document::read(&options.file)?;
@@ -33,13 +32,8 @@ pub(super) fn inspect(
                 scene_facts(document)?
             }
         }
-        "rls" => species_facts(&Document::read(&options.file)?)?,
-        other => {
-            return Err(CliError::Usage(format!(
-                "{}: cannot inspect a file ending in {other:?}; wanted .toml, .rls, .glb, .gltf or .png",
-                options.file.display()
-            )));
-        }
+        "rls" | "xml" => species_facts(&Document::read(&options.file)?)?,
+        _ => imported_facts(&options.file, &options.plant.import_options())?,
     };
     terminal.print(&show(&facts, shared.json))
 }
@@ -93,30 +87,35 @@ fn ending(path: &Path) -> String {
         .unwrap_or_default()
 }
 
-fn imported_facts(path: &Path, foliage: &[String]) -> Result<Facts, CliError> {
-    let imported = import(
-        path,
-        &ImportOptions {
-            foliage: foliage.to_vec(),
-        },
-    )?;
-    let mut facts = plant_facts(&imported.plant);
-    let remarks: Vec<Value> = imported
-        .report
-        .entries
-        .iter()
-        .map(|entry| entry.to_string().into())
+fn imported_facts(path: &Path, options: &ImportOptions) -> Result<Facts, CliError> {
+    let Imported { plant, report } = import(path, options)?;
+    let mut facts = plant_facts(&plant);
+    let found = report.found.iter();
+    let found: Map<String, Value> = found
+        .map(|found| (found.what.to_owned(), found.count.into()))
         .collect();
-    facts.push(("own_file", imported.report.native.into()));
+    facts.insert(
+        2,
+        ("format", report.format.map_or("", Format::title).into()),
+    );
+    facts.insert(3, ("found", found.into()));
+    let entries = report.entries.iter();
+    let remarks: Vec<Value> = entries.map(|entry| entry.to_string().into()).collect();
+    facts.push(("own_file", report.native.into()));
     facts.push(("remarks", remarks.into()));
     Ok(facts)
+}
+
+/// A number to its third place.
+fn rounded(value: f64) -> Value {
+    json!((value * 1000.0).round() / 1000.0)
 }
 
 /// What a plant holds.
 pub(super) fn plant_facts(plant: &Plant) -> Facts {
     let bounds = plant.bounds();
     let (size, center) = (bounds.size(), bounds.center());
-    let metres = |value: f32| json!((f64::from(value) * 1000.0).round() / 1000.0);
+    let metres = |value: f32| rounded(f64::from(value));
     let groups: Vec<Value> = plant
         .foliage()
         .groups
@@ -129,7 +128,12 @@ pub(super) fn plant_facts(plant: &Plant) -> Facts {
                 }
                 Prototype::Needle { .. } => "needles".to_owned(),
             };
-            json!({ "group": group.name, "shape": shape, "count": group.leaf_count() })
+            json!({
+                "group": group.name,
+                "shape": shape,
+                "count": group.leaf_count(),
+                "area_m2": rounded(group.area()),
+            })
         })
         .collect();
     let skeleton = plant.skeleton();
@@ -153,8 +157,18 @@ pub(super) fn plant_facts(plant: &Plant) -> Facts {
                 .into(),
         ),
         (
+            "roots",
+            skeleton
+                .map_or(0, |skeleton| skeleton.roots().count())
+                .into(),
+        ),
+        (
             "skeleton_nodes",
             skeleton.map_or(0, |skeleton| skeleton.nodes.len()).into(),
+        ),
+        (
+            "leaf_area_m2",
+            rounded(plant.foliage().groups.iter().map(LeafGroup::area).sum()),
         ),
         (
             "size_m",
@@ -197,7 +211,21 @@ fn species_facts(document: &Document) -> Result<Facts, CliError> {
     facts[0].1 = "species".into();
     facts.insert(2, ("latin", species.latin().into()));
     facts.push(("stop_leaves", species.stop_leaves().into()));
+    facts.extend(species_remarks(&species));
     Ok(facts)
+}
+
+/// What a species file of another program has that has no counterpart here.
+pub(super) fn species_remarks(species: &SpeciesFile) -> Facts {
+    let entries = species
+        .report()
+        .into_iter()
+        .flat_map(|report| &report.entries);
+    let remarks: Vec<Value> = entries.map(|entry| entry.to_string().into()).collect();
+    match species.report() {
+        Some(_) => vec![("remarks", remarks.into())],
+        None => Vec::new(),
+    }
 }
 
 fn scene_facts(document: Document) -> Result<Facts, CliError> {

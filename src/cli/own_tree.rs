@@ -44,13 +44,15 @@ impl OwnTree {
             card.name().clone_into(&mut scene.device.card);
         }
         let path = file.display().to_string();
+        let options = plant.import_options();
         let tree = &mut scene.trees[0];
-        tree.seed = plant.seed;
+        tree.seed = options.seed;
         tree.source = match is_species(file) {
             true => PlantSource::Species(path),
             false => PlantSource::File {
                 path,
-                foliage: plant.foliage.clone(),
+                foliage: options.foliage,
+                reading: options.reading,
             },
         };
         let world = World::build_from(&scene, Path::new(""), &store(&shared.models), progress)?;
@@ -64,7 +66,7 @@ impl OwnTree {
 /// Whether a file says how trees of a kind grow, rather than what one tree looks like.
 fn is_species(file: &Path) -> bool {
     let ending = file.extension().unwrap_or_default();
-    ["toml", "rls"]
+    ["toml", "rls", "xml"]
         .iter()
         .any(|known| ending.eq_ignore_ascii_case(known))
 }

@@ -3,21 +3,49 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 
-/// What a plant's file does not say.
+use crate::plant::import::{Format, ImportOptions, Reading, Unit, UpAxis};
+
+/// How a plant's file is to be read where it does not say it, or says it wrongly.
 #[derive(Debug, Args)]
 pub(super) struct PlantFileOptions {
-    /// Node, mesh or material of a plant file that is foliage; may be given several times
+    /// Format of a plant file [default: by its content, then its ending]
+    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(Format::NAMES))]
+    pub(super) format: Option<String>,
+    /// Axis of a plant file that points up [default: the format's own, or a guess]
+    #[arg(long, value_name = "AXIS", value_parser = PossibleValuesParser::new(UpAxis::NAMES))]
+    pub(super) up: Option<String>,
+    /// Unit of a plant file's lengths [default: the format's own, or a guess]
+    #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(Unit::NAMES))]
+    pub(super) unit: Option<String>,
+    /// Group, object, node, mesh or material of a plant file that is foliage; may be given several times
     #[arg(long, value_name = "NAME")]
     pub(super) foliage: Vec<String>,
-    /// Seed of the individual that grows from a species
+    /// Seed of the individual, or of leaves that a file only counts
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
 }
 
+impl PlantFileOptions {
+    /// What an importer is told.
+    pub(super) fn import_options(&self) -> ImportOptions {
+        let named = |name: &Option<String>| name.clone().unwrap_or_default();
+        ImportOptions {
+            reading: Reading {
+                format: Format::from_name(&named(&self.format)),
+                up: UpAxis::from_name(&named(&self.up)),
+                unit: Unit::from_name(&named(&self.unit)),
+            },
+            foliage: self.foliage.clone(),
+            seed: self.seed,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(super) struct BuildOptions {
-    /// Plant (.glb, .gltf) or species
+    /// Plant of any format, or species
     pub(super) file: PathBuf,
     #[command(flatten)]
     pub(super) plant: PlantFileOptions,
@@ -35,7 +63,7 @@ pub(super) struct BuildOptions {
 
 #[derive(Debug, Args)]
 pub(super) struct CompareArguments {
-    /// Plant (.glb, .gltf) or species
+    /// Plant of any format, or species
     pub(super) file: PathBuf,
     #[command(flatten)]
     pub(super) plant: PlantFileOptions,

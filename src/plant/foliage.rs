@@ -124,6 +124,27 @@ impl LeafGroup {
         }
     }
 
+    /// The area of all leaves' triangles, one side of each, in m²; needles have none.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        let triangles: &[[u32; 3]] = match &self.prototype {
+            Prototype::Quad { .. } => &[[0, 1, 2], [0, 2, 3]],
+            Prototype::Faces { triangles, .. } => triangles,
+            Prototype::Needle { .. } => &[],
+        };
+        let leaves = self
+            .positions
+            .chunks_exact(self.prototype.vertices_per_leaf().max(1));
+        let mut area = 0.0;
+        for leaf in leaves {
+            for corners in triangles {
+                let [a, b, c] = corners.map(|corner| leaf[corner as usize].as_dvec3());
+                area += (b - a).cross(c - a).length() / 2.0;
+            }
+        }
+        area
+    }
+
     /// The vertices of one leaf.
     ///
     /// # Panics

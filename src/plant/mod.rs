@@ -4,7 +4,7 @@
 //! species.toml ─▶ Species ─grow──▶ ┐
 //! species.rls ─▶ RlSystem ─grow──▶ ┤
 //!                                  ├─▶ Plant = skeleton? + trunk? + foliage groups
-//! tree.glb ───────────import─────▶ ┘
+//! tree.glb, .obj, … ───import─────▶ ┘
 //! ```
 //!
 //! World space, metres, +Y up, the trunk's base at or near the origin.
@@ -15,6 +15,7 @@
 
 mod foliage;
 pub mod gltf;
+pub mod import;
 mod mesh;
 pub mod rl_system;
 mod silhouette;
@@ -31,8 +32,8 @@ pub use mesh::{Material, Mesh};
 pub use silhouette::Silhouette;
 pub use skeleton::{Branch, Node, Skeleton};
 pub use species::{
-    Blade, Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape, Species,
-    StemLevel, Wood,
+    ArbaroSpecies, Blade, Clump, Crown, FoliageKind, LeafHabit, Pruning, SPECIES_SCHEMA, Shape,
+    Species, StemLevel, Wood,
 };
 pub use species_file::SpeciesFile;
 pub use stroke::Stroke;

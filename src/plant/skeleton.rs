@@ -46,6 +46,13 @@ impl Skeleton {
         &self.nodes[first..first + branch.node_count as usize]
     }
 
+    /// The branches that no other bears.
+    pub fn roots(&self) -> impl Iterator<Item = &Branch> {
+        self.branches
+            .iter()
+            .filter(|branch| branch.bearer.is_none())
+    }
+
     pub(super) fn check(&self) -> Result<(), PlantError> {
         let part = || "skeleton".to_owned();
         let mut next = 0_usize;

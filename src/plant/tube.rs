@@ -62,25 +62,37 @@ pub fn trunk_mesh(
             limit: limits::TRUNK_TRIANGLES,
         });
     }
+    let lobes = (tubes.lobes as f32, tubes.lobe_depth);
+    Ok(tubes_of(skeleton, &edges, Some(lobes), material))
+}
+
+/// A tube of so many edges along each branch, none for 0; `lobes` is the number and depth of bulges around
+/// trunks.
+pub(super) fn tubes_of(
+    skeleton: &Skeleton,
+    edges: &[u32],
+    lobes: Option<(f32, f32)>,
+    material: Material,
+) -> Mesh {
     let mut mesh = Mesh {
         positions: Vec::new(),
         normals: Vec::new(),
         texture_coordinates: Vec::new(),
-        indices: Vec::with_capacity(3 * found),
+        indices: Vec::with_capacity(3 * polygons(skeleton, edges)),
         material,
     };
-    for (branch, &edges) in skeleton.branches.iter().zip(&edges) {
+    for (branch, &edges) in skeleton.branches.iter().zip(edges) {
         let nodes = skeleton.nodes_of(branch);
         if edges > 0 && nodes.len() > 1 {
-            let lobes = (branch.level == 0).then_some((tubes.lobes as f32, tubes.lobe_depth));
+            let lobes = lobes.filter(|_| branch.level == 0);
             tube(nodes, edges, lobes, &mut mesh);
         }
     }
-    Ok(mesh)
+    mesh
 }
 
 /// How many triangles a branch's tube has.
-fn branch_polygons(nodes: &[Node], edges: u32) -> usize {
+pub(super) fn branch_polygons(nodes: &[Node], edges: u32) -> usize {
     match nodes {
         // The last internode ends in an apex, or in a ring with a cap of as many triangles.
         [_, inner @ .., last] => {
@@ -91,7 +103,8 @@ fn branch_polygons(nodes: &[Node], edges: u32) -> usize {
     }
 }
 
-fn polygons(skeleton: &Skeleton, edges: &[u32]) -> usize {
+/// How many triangles tubes of so many edges along each branch have together.
+pub(super) fn polygons(skeleton: &Skeleton, edges: &[u32]) -> usize {
     let sizes = skeleton.branches.iter().zip(edges);
     sizes
         .map(|(branch, &edges)| branch_polygons(skeleton.nodes_of(branch), edges))

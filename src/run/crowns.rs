@@ -9,7 +9,7 @@ use super::world::{Wanted, crown_from};
 use crate::document::Document;
 use crate::math::{Digest, Digester};
 use crate::models::{Crown, Trunk};
-use crate::plant::gltf::{ImportOptions, import};
+use crate::plant::import::import;
 use crate::plant::{Plant, SpeciesFile};
 use crate::scene::{PlantSource, Tree};
 
@@ -89,10 +89,8 @@ impl CrownStore {
                     Ok((plant, species.stop_leaves()))
                 })
             }
-            PlantSource::File { path, foliage } => {
-                let options = ImportOptions {
-                    foliage: foliage.clone(),
-                };
+            PlantSource::File { path, .. } => {
+                let options = tree.import_options();
                 let imported = import(&folder.join(path), &options)?;
                 let entries = imported.report.entries.iter();
                 remarks.extend(entries.map(|entry| format!("{path}: {entry}")));

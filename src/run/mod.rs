@@ -86,7 +86,8 @@ use crate::document::DocumentError;
 use crate::gpu::GpuError;
 use crate::math::Digest;
 use crate::plant::GrowError;
-use crate::plant::gltf::{ExportError, ImportError};
+use crate::plant::gltf::ExportError;
+use crate::plant::import::ImportError;
 
 /// Why a run cannot be.
 #[derive(Debug, thiserror::Error)]

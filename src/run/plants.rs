@@ -5,8 +5,8 @@
 //!    species = "../yew.toml"     species = "plants/yew.toml"
 //! ```
 //!
-//! A species becomes `plants/NAME.toml` or `.rls`, a plant file `plants/NAME.glb` or `.gltf`; one that names
-//! buffers or images beside it gets a folder of its own, `plants/NAME/NAME.gltf`, in which they lie as
+//! A species becomes `plants/NAME.toml` or `.rls`, a plant file `plants/NAME.glb` or of another ending; one that names
+//! files beside it gets a folder of its own, `plants/NAME/NAME.gltf`, in which they lie as
 //! its paths want them. NAME is that of the original; the second of a name becomes `NAME-2`.
 //!
 //! **Invariant.** Names depend on the scene's paths alone, and gathering from what was gathered gives
@@ -18,7 +18,7 @@ use std::path::{Component, Path};
 use super::RunError;
 use crate::document::Document;
 use crate::plant::SpeciesFile;
-use crate::plant::gltf::{PlantSources, read_sources};
+use crate::plant::import::{ImportOptions, PlantSources, read_sources};
 use crate::scene::{PlantSource, Scene};
 
 /// The most bytes of all plants' files together that a run keeps copies of.
@@ -44,23 +44,24 @@ impl PlantFiles {
         let mut scene = scene.clone();
         let mut known: BTreeMap<String, String> = BTreeMap::new();
         let mut taken: Vec<String> = Vec::new();
-        let mut copy = |source: &PlantSource| -> Result<String, RunError> {
-            let (PlantSource::Species(path) | PlantSource::File { path, .. }) = source;
-            if let Some(copy) = known.get(path) {
-                return Ok(copy.clone());
-            }
-            let name = free_name(path, &mut taken);
-            let copy = match source {
-                PlantSource::Species(path) => plants.add_species(&name, &folder.join(path))?,
-                PlantSource::File { path, .. } => {
-                    plants.add_import(&name, read_sources(&folder.join(path))?)?
+        let mut copy =
+            |source: &PlantSource, options: &ImportOptions| -> Result<String, RunError> {
+                let (PlantSource::Species(path) | PlantSource::File { path, .. }) = source;
+                if let Some(copy) = known.get(path) {
+                    return Ok(copy.clone());
                 }
+                let name = free_name(path, &mut taken);
+                let copy = match source {
+                    PlantSource::Species(path) => plants.add_species(&name, &folder.join(path))?,
+                    PlantSource::File { path, .. } => {
+                        plants.add_import(&name, read_sources(&folder.join(path), options)?)?
+                    }
+                };
+                known.insert(path.clone(), copy.clone());
+                Ok(copy)
             };
-            known.insert(path.clone(), copy.clone());
-            Ok(copy)
-        };
         for tree in &mut scene.trees {
-            let copy = copy(&tree.source)?;
+            let copy = copy(&tree.source, &tree.import_options())?;
             match &mut tree.source {
                 PlantSource::Species(path) | PlantSource::File { path, .. } => *path = copy,
             }
@@ -70,7 +71,8 @@ impl PlantFiles {
             .iter_mut()
             .flat_map(|forest| forest.species_mut())
         {
-            species.path = copy(&PlantSource::Species(species.path.clone()))?;
+            let source = PlantSource::Species(species.path.clone());
+            species.path = copy(&source, &ImportOptions::default())?;
         }
         Ok((scene, plants))
     }
@@ -94,7 +96,7 @@ impl PlantFiles {
     }
 
     fn add_import(&mut self, name: &str, sources: PlantSources) -> Result<String, RunError> {
-        let ending = if sources.is_binary() { "glb" } else { "gltf" };
+        let ending = sources.ending;
         if sources.beside.is_empty() {
             let copy = format!("plants/{name}.{ending}");
             self.add(copy.clone(), sources.document)?;
@@ -217,6 +219,7 @@ mod tests {
         assert_eq!(heights, [0, 1, 1, 0, 2]);
         let sources = PlantSources {
             document: b"{}".to_vec(),
+            ending: "gltf",
             beside: vec![
                 ("../t/a.png".to_owned(), vec![1]),
                 ("b/../c.bin".to_owned(), vec![2]),

@@ -1,6 +1,7 @@
 //! The keys of a scene file: one table that reading, defaults, messages and help are made from.
 
 use crate::limits;
+use crate::plant::import::{Format, Unit, UpAxis};
 
 use super::{
     BranchAlpha, BranchFrames, BranchLines, BranchRemoval, BranchShares, CardDepth, CardMode,
@@ -238,13 +239,19 @@ pub const KEYS: &[Key] = &[
     key("tree", Kind::Tables { most: limits::SCENE_TREES }, "", Absent::Rule("none: then a forest"),
         "The trees, a [[tree]] each; each has either `species` or `file`."),
     key("tree[].species", Kind::Path, "", Absent::Rule("none: then `file`"),
-        "The species file that the tree grows from: parameters, *.toml, or a grammar, *.rls."),
+        "The species file that the tree grows from: parameters, *.toml or Arbaro's *.xml, or a grammar, *.rls."),
     key("tree[].file", Kind::Path, "", Absent::Rule("none: then `species`"),
-        "The glTF file that holds the tree."),
+        "The file that holds the tree: glTF, OBJ, a scanned tree's cylinders, MTG, OPF or OPS."),
     key("tree[].foliage", Kind::Texts, "", Absent::Rule("the importer decides"),
-        "With `file`: the names of meshes or materials that are foliage."),
+        "With `file`: the names of groups, objects, nodes, meshes or materials that are foliage."),
+    key("tree[].format", Kind::Choice(Format::NAMES), "", Absent::Rule("by the file's content, then its ending"),
+        "With `file`: its format."),
+    key("tree[].up", Kind::Choice(UpAxis::NAMES), "", Absent::Rule("the format's own, or a guess"),
+        "With `file`: the axis that points up."),
+    key("tree[].unit", Kind::Choice(Unit::NAMES), "", Absent::Rule("the format's own, or a guess"),
+        "With `file`: the unit of its lengths."),
     key("tree[].seed", Kind::Integer { min: 0, max: u64::MAX }, "", Absent::Rule("the scene's"),
-        "The seed that the tree grows from."),
+        "The seed that the tree grows from, or that leaves are placed by which `file` only counts."),
     key("tree[].at", Kind::Triple { min: -METRES, max: METRES }, "m, world", Absent::Value("[0, 0, 0]"),
         "Where the base of the trunk stands."),
     key("tree[].turn", Kind::Number { min: -360.0, max: 360.0 }, "degrees about +Y", Absent::Value("0"),

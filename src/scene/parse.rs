@@ -8,6 +8,7 @@ use toml::de::{DeTable, DeValue};
 use crate::document::{Document, DocumentError};
 use crate::limits;
 use crate::math::Digest;
+use crate::plant::import::{Format, Reading, Unit, UpAxis};
 
 use super::Shadow;
 use super::card_keys;
@@ -206,14 +207,17 @@ fn tree(table: &Reader<'_>, scene_seed: u64) -> Result<Tree, SceneError> {
         (None, Some(path)) => PlantSource::File {
             path,
             foliage: table.get("foliage")?.unwrap_or_default(),
+            reading: reading(table)?,
         },
         (Some(_), Some(_)) => {
             return Err(table.refuse("file", "nothing, since the tree has `species`"));
         }
         (None, None) => return Err(table.refuse("species", "either `species` or `file`")),
     };
-    if matches!(source, PlantSource::Species(_)) && table.has("foliage") {
-        return Err(table.refuse("foliage", "nothing, since the tree has `species`"));
+    if matches!(source, PlantSource::Species(_))
+        && let Some(key) = FILE_KEYS.into_iter().find(|key| table.has(key))
+    {
+        return Err(table.refuse(key, "nothing, since the tree has `species`"));
     }
     Ok(Tree {
         source,
@@ -222,6 +226,18 @@ fn tree(table: &Reader<'_>, scene_seed: u64) -> Result<Tree, SceneError> {
         turn: table.have("turn")?,
         scale: table.have("scale")?,
         plant_digest: table.get("plant_digest")?,
+    })
+}
+
+/// Keys that go with `file` alone.
+const FILE_KEYS: [&str; 4] = ["foliage", "format", "up", "unit"];
+
+fn reading(table: &Reader<'_>) -> Result<Reading, SceneError> {
+    let name = |key: &str| table.get::<String>(key);
+    Ok(Reading {
+        format: name("format")?.and_then(|name| Format::from_name(&name)),
+        up: name("up")?.and_then(|name| UpAxis::from_name(&name)),
+        unit: name("unit")?.and_then(|name| Unit::from_name(&name)),
     })
 }
 

@@ -1,6 +1,7 @@
 //! A tree of a scene: where it comes from and where it stands.
 
 use crate::math::{Digest, Mat4, Vec3, Vec4, det};
+use crate::plant::import::{ImportOptions, Reading};
 
 /// One tree.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,12 +30,31 @@ pub enum PlantSource {
     File {
         /// The file.
         path: String,
-        /// Names of meshes or materials that are foliage; empty leaves it to the importer.
+        /// Names of groups, objects, meshes or materials that are foliage; empty leaves it to the
+        /// importer.
         foliage: Vec<String>,
+        /// How the file is to be read where it does not say it, or says it wrongly.
+        reading: Reading,
     },
 }
 
 impl Tree {
+    /// What an importer is told of the tree's file; nothing where it has a species.
+    #[must_use]
+    pub fn import_options(&self) -> ImportOptions {
+        let (foliage, reading) = match &self.source {
+            PlantSource::Species(_) => (Vec::new(), Reading::default()),
+            PlantSource::File {
+                foliage, reading, ..
+            } => (foliage.clone(), *reading),
+        };
+        ImportOptions {
+            reading,
+            foliage,
+            seed: self.seed,
+        }
+    }
+
     /// The matrix from the plant's space to world space: scaled, then turned, then moved.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "rounded once, at the end")]

@@ -1,6 +1,7 @@
 //! Scenes as text, with every default filled in, and as digest.
 
 use crate::math::{Digest, Digester, Vec3};
+use crate::plant::import::Reading;
 
 use super::card_keys;
 use super::grove_keys;
@@ -162,8 +163,15 @@ fn write_tree(text: &mut Text, tree: &Tree) {
     text.heading("[[tree]]");
     match &tree.source {
         PlantSource::Species(path) => text.key("species", &quoted(path)),
-        PlantSource::File { path, foliage } => {
+        PlantSource::File {
+            path,
+            foliage,
+            reading,
+        } => {
             text.key("file", &quoted(path));
+            for (key, name) in told(reading) {
+                text.key(key, &quoted(name));
+            }
             let names: Vec<String> = foliage.iter().map(|name| quoted(name)).collect();
             text.key("foliage", &format!("[{}]", names.join(", ")));
         }
@@ -175,6 +183,14 @@ fn write_tree(text: &mut Text, tree: &Tree) {
     if let Some(digest) = tree.plant_digest {
         text.key("plant_digest", &quoted(&digest.to_string()));
     }
+}
+
+/// The keys of what is said about reading a file, and their values.
+fn told(reading: &Reading) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let format = reading.format.map(|format| ("format", format.name()));
+    let up = reading.up.map(|up| ("up", up.name()));
+    let unit = reading.unit.map(|unit| ("unit", unit.name()));
+    format.into_iter().chain(up).chain(unit)
 }
 
 fn write_forest(text: &mut Text, forest: &Forest) {
@@ -339,10 +355,18 @@ fn byte_size(bytes: u64) -> String {
 fn digest_tree(digester: &mut Digester, tree: &Tree) {
     match &tree.source {
         PlantSource::Species(path) => _ = digester.u32(0).text(path),
-        PlantSource::File { path, foliage } => {
+        PlantSource::File {
+            path,
+            foliage,
+            reading,
+        } => {
             digester.u32(1).text(path).u64(foliage.len() as u64);
             for name in foliage {
                 digester.text(name);
+            }
+            // As before these keys were, where none is said.
+            for (key, name) in told(reading) {
+                digester.text(key).text(name);
             }
         }
     }

@@ -7,7 +7,7 @@ use serde_json::Value;
 use spinney::document::Document;
 use spinney::math::{Mat4, Quat, Vec3, Vec4};
 use spinney::models::{Placement, TreeState};
-use spinney::plant::gltf::{ImportOptions, import_bytes};
+use spinney::plant::import::{ImportOptions, import_bytes};
 use spinney::plant::{Plant, Prototype};
 use spinney::run::{FrameExport, Session, SessionOptions, Silent, World, export_frame};
 use spinney::scene::{Scene, SceneFile};
@@ -143,6 +143,7 @@ fn the_triangles_that_a_frame_draws_come_back() {
     let names = names.map(|node| node["name"].as_str().expect("a name").to_owned());
     let options = ImportOptions {
         foliage: names.filter(|name| !name.ends_with("trunk")).collect(),
+        ..ImportOptions::default()
     };
     let imported = import_bytes("frame.glb", &export.glb, None, &options).expect("sound");
     let wanted = drawn(&world, &states[0]);

@@ -3,7 +3,8 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use spinney::math::{Vec2, Vec3};
-use spinney::plant::gltf::{ImportOptions, export_glb, import_bytes};
+use spinney::plant::gltf::export_glb;
+use spinney::plant::import::{ImportOptions, import_bytes};
 use spinney::plant::{
     Branch, Foliage, LeafGroup, Material, Mesh, NO_BRANCH, Node, Plant, Prototype, Skeleton,
     Texture,
@@ -244,7 +245,8 @@ crate::support::properties! {
             glb.truncate(cut.index(glb.len()));
         }
         let foliage = if named { vec!["leaf".to_owned()] } else { Vec::new() };
-        let imported = import_bytes("a.glb", &glb, None, &ImportOptions { foliage });
+        let options = ImportOptions { foliage, ..ImportOptions::default() };
+        let imported = import_bytes("a.glb", &glb, None, &options);
         if let Ok(imported) = imported {
             prop_assert!(export_glb(&imported.plant).is_ok());
         }

@@ -55,3 +55,4 @@ mod transparency;
 mod vertex_collapses;
 mod walks;
 mod whole_trees;
+mod wood_files;

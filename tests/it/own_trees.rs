@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use spinney::plant::gltf::{ImportOptions, import};
+use spinney::plant::import::{ImportOptions, import};
 
 use crate::program::{shrub, spinney};
 
@@ -79,7 +79,7 @@ fn built_levels_hold_what_they_say() {
         );
         let found = import(&path, &ImportOptions::default()).expect("it reads back");
         assert_eq!(
-            found.report.triangles,
+            found.report.found("triangles"),
             level["triangles"].as_u64().expect("a number"),
             "{file}"
         );
@@ -245,12 +245,15 @@ fn compared_schemes_are_as_coarse_as_is_allowed() {
 #[test]
 fn what_is_no_tree_is_refused_and_leaves_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("tree.glb"), "1 2 3\n").expect("writable");
-    for command in ["build", "compare"] {
-        let output = spinney(folder.path(), &[command, "tree.glb"]);
+    std::fs::write(folder.path().join("tree.xyz"), "1 2 3\n").expect("writable");
+    for command in ["build", "compare", "inspect"] {
+        let output = spinney(folder.path(), &[command, "tree.xyz"]);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{command}: {said}");
-        assert!(said.contains("tree.glb:1:"), "{said}");
+        assert!(
+            said.contains("tree.xyz: neither its content nor the ending"),
+            "{said}"
+        );
         assert!(!folder.path().join("out").exists(), "{command}");
     }
 }

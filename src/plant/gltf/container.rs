@@ -1,10 +1,6 @@
 //! The outermost layer of a file: a GLB's header and chunks, or plain JSON.
 
-use super::ImportError;
-use super::report::{ImportReport, ReportKind};
-use crate::document::{ReadError, read_file};
-use crate::limits;
-use std::path::Path;
+use crate::plant::import::{ImportError, ImportReport, ReportKind};
 
 /// The two parts of a glTF file.
 #[derive(Debug)]
@@ -17,22 +13,6 @@ pub(super) struct Container<'a> {
     pub(super) binary: Option<&'a [u8]>,
 }
 
-/// Reads a document's file.
-pub(super) fn read(path: &Path) -> Result<Vec<u8>, ImportError> {
-    let file = path.display().to_string();
-    read_file(path, limits::PLANT_FILE_BYTES).map_err(|error| match error {
-        ReadError::TooLarge { found, limit } => ImportError::TooLarge {
-            file,
-            bytes: found,
-            limit,
-        },
-        _ => ImportError::Read {
-            file,
-            message: error.to_string(),
-        },
-    })
-}
-
 /// Splits a file into its parts; anything that does not begin like a GLB is taken as JSON.
 pub(super) fn split<'a>(
     file: &str,
@@ -40,13 +20,6 @@ pub(super) fn split<'a>(
     report: &mut ImportReport,
 ) -> Result<Container<'a>, ImportError> {
     let length = bytes.len() as u64;
-    if length > limits::PLANT_FILE_BYTES {
-        return Err(ImportError::TooLarge {
-            file: file.to_owned(),
-            bytes: length,
-            limit: limits::PLANT_FILE_BYTES,
-        });
-    }
     if !bytes.starts_with(MAGIC) {
         // The byte order mark is forbidden here, and common.
         let marked = bytes.starts_with(b"\xef\xbb\xbf");

@@ -517,7 +517,7 @@ pub(super) fn primitive(
 }
 
 /// A texture as a PNG file, texel for texel.
-pub(super) fn encode_png(texture: &Texture) -> Vec<u8> {
+pub(in crate::plant) fn encode_png(texture: &Texture) -> Vec<u8> {
     let mut bytes = Vec::new();
     let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
     let (width, height) = (texture.width(), texture.height());

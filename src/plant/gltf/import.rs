@@ -2,65 +2,48 @@
 
 use super::accessor::Reader;
 use super::buffers::Buffers;
-use super::cards::{self, Pieces};
-use super::container::{read, split};
+use super::container::split;
 use super::error::Fault;
-use super::foliage::Leaves;
-use super::material::{Materials, alpha_mode};
-use super::native::{self, Source};
+use super::material::Materials;
+use super::native;
 use super::record::POINTER;
-use super::report::{ImportReport, ReportKind};
 use super::scan::{self, Document};
-use super::scene::{Names, Placed, known_names, place};
-use super::surface::{self, Part, QUANTIZATION, Surface};
-use super::{ImportError, ImportOptions, Imported};
+use super::scene::{Placed, known_names, place};
+use super::surface::{self, QUANTIZATION, Surface};
 use crate::limits::PLACED_CORNERS;
-use crate::plant::{Foliage, Plant};
+use crate::math::DVec3;
+use crate::plant::import::mesh::{self, Evidence, Names};
+use crate::plant::import::{
+    Frame, ImportError, ImportOptions, ImportReport, Reading, ReportKind, Source, Unit, UpAxis,
+    rings,
+};
+use crate::plant::{Foliage, Mesh, Plant};
 use gltf_json::Root;
-use gltf_json::material::AlphaMode;
-use std::collections::BTreeMap;
-use std::path::Path;
 
-/// Imports a `.glb` or `.gltf` file; buffers and images may lie beside it.
+/// Reads a `.glb` or `.gltf` file.
 ///
-/// Foliage is what the options name, or else every material that is masked or blended and most of
-/// whose triangles are cards: pairs that form a quadrilateral and share no position with others.
-/// The rest is wood. A file that [`export_glb`](super::export_glb) wrote, and that was not edited,
+/// Foliage is what the options name, or else what [`mesh::sort`] takes for leaves; the rest is wood. A file that [`export_glb`](super::export_glb) wrote, and that was not edited,
 /// gives the plant that was written, without guesses.
 ///
 /// # Errors
 ///
-/// When the file cannot be read, is damaged or hostile, exceeds a limit of this module, needs an
-/// extension that is not supported, or nothing bears a name that the options hold.
-pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
-    let file = path.display().to_string();
-    let bytes = read(path)?;
-    let folder = path.parent().unwrap_or_else(|| Path::new(""));
-    import_bytes(&file, &bytes, Some(folder), options)
-}
-
-/// Imports a file that is in memory already. `file` names it in errors; `folder` is where its
-/// buffers and images lie, without which it has to hold them itself.
-///
-/// # Errors
-///
-/// As [`import`].
-pub fn import_bytes(
-    file: &str,
-    bytes: &[u8],
-    folder: Option<&Path>,
+/// When the file is damaged or hostile, exceeds a limit, needs an extension that is not supported, or
+/// nothing bears a name that the options hold.
+pub(in crate::plant) fn read(
+    source: &Source<'_>,
     options: &ImportOptions,
-) -> Result<Imported, ImportError> {
-    let mut report = ImportReport::default();
-    let container = split(file, bytes, &mut report)?;
+    report: &mut ImportReport,
+) -> Result<Plant, ImportError> {
+    let file = source.file();
+    let container = split(file, source.bytes(), report)?;
     let document = scan::parse(file, container.json, container.json_offset)?;
     let in_file = |fault: Fault| fault.in_file(file);
     check_version(&document.root).map_err(in_file)?;
-    note_extensions(&document, &mut report).map_err(in_file)?;
+    note_extensions(&document, report).map_err(in_file)?;
     let root = &document.root;
-    note_unused(root, &mut report);
+    note_unused(root, report);
     let mut names = Names::new(&options.foliage);
-    let placed = place(root, &mut names, &mut report).map_err(in_file)?;
+    let placed = place(root, &mut names, report).map_err(in_file)?;
     if let Some(name) = names.unknown() {
         return Err(ImportError::Name {
             file: file.to_owned(),
@@ -68,35 +51,39 @@ pub fn import_bytes(
             known: known_names(root),
         });
     }
-    let reader = Reader::new(root, Buffers::new(root, folder, container.binary));
-    let opened = open_all(root, &reader, placed, &mut report).map_err(in_file)?;
+    let reader = Reader::new(root, Buffers::new(root, source.folder(), container.binary));
+    let opened = open_all(root, &reader, placed, report).map_err(in_file)?;
     let mut materials = Materials::new(root, &reader);
-    let guess = options.foliage.is_empty();
-    if guess {
-        let source = Source {
+    let as_it_is = Frame::new(Reading::default(), UpAxis::Y, Unit::M);
+    let is_overruled =
+        !options.foliage.is_empty() || Frame::new(options.reading, UpAxis::Y, Unit::M) != as_it_is;
+    if !is_overruled {
+        let written = native::Source {
             root,
             reader: &reader,
             placed: &opened,
         };
-        if let Some(plant) = native::read(&source, &mut materials, &mut report) {
-            return Ok(Imported { plant, report });
+        if let Some(plant) = native::read(&written, &mut materials, report) {
+            return Ok(plant);
         }
     }
-    if !guess && native::has_record(root) {
-        let message = "the record of the plant as written, since foliage is named: no skeleton";
+    if is_overruled && native::has_record(root) {
+        let message = if options.foliage.is_empty() {
+            "the record of the plant as written, since its axis or unit is told: no skeleton"
+        } else {
+            "the record of the plant as written, since foliage is named: no skeleton"
+        };
         report.add(ReportKind::Dropped, 1, POINTER, message);
     }
     let (trunk, foliage) =
-        detect(root, &opened, guess, &mut materials, &mut report).map_err(in_file)?;
-    let name = Path::new(file)
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
-    let plant = Plant::new(name, None, trunk, foliage).map_err(|source| ImportError::Plant {
+        detect(root, &opened, options, &mut materials, report).map_err(in_file)?;
+    let skeleton = trunk
+        .as_ref()
+        .and_then(|trunk| rings::skeleton(trunk, source, "/nodes", report));
+    Plant::new(source.stem(), skeleton, trunk, foliage).map_err(|source| ImportError::Plant {
         file: file.to_owned(),
         source,
-    })?;
-    Ok(Imported { plant, report })
+    })
 }
 
 fn check_version(root: &Root) -> Result<(), Fault> {
@@ -153,54 +140,53 @@ fn open_all<'r>(
         let Some(surface) = surface::open(root, reader, &placed, report)? else {
             continue;
         };
-        report.primitives += 1;
-        report.triangles += surface.corner_count() / 3;
+        report.find("primitives", 1);
+        report.find("triangles", surface.corner_count() / 3);
         opened.push((placed, surface));
     }
     Ok(opened)
+}
+
+/// The frame of a document, in which a tree that stands far away comes to the origin.
+fn frame(
+    opened: &[(Placed, Surface<'_>)],
+    options: &ImportOptions,
+    report: &mut ImportReport,
+) -> Frame {
+    let visit = |take: &mut dyn FnMut(DVec3)| {
+        for (placed, surface) in opened {
+            surface.visit(placed, take);
+        }
+    };
+    let frame = Frame::new(options.reading, UpAxis::Y, Unit::M);
+    let base = mesh::base(&visit, options.reading.up.unwrap_or(UpAxis::Y));
+    frame.with_base(base.unwrap_or(DVec3::ZERO), "/nodes", report)
 }
 
 /// Tells leaves from wood.
 fn detect(
     root: &Root,
     opened: &[(Placed, Surface<'_>)],
-    guess: bool,
+    options: &ImportOptions,
     materials: &mut Materials<'_, '_>,
     report: &mut ImportReport,
-) -> Result<(Option<crate::plant::Mesh>, Foliage), Fault> {
+) -> Result<(Option<Mesh>, Foliage), Fault> {
     check_corners(opened)?;
+    let frame = frame(opened, options, report);
     let mut parts = Vec::with_capacity(opened.len());
     for (placed, surface) in opened {
-        let part = surface.load(placed, report)?;
-        if part.triangles.is_empty() {
-            continue;
-        }
-        let may_be_foliage = if guess {
-            has_alpha(root, placed.material)?
-        } else {
-            placed.named
-        };
-        let pieces = may_be_foliage
-            .then(|| cards::split(&part.positions, &part.coordinates, &part.triangles));
-        parts.push((part, pieces));
-    }
-    if guess {
-        keep_mostly_cards(root, &mut parts, report);
-    }
-    let mut leaves = Leaves::default();
-    let mut wood = Vec::new();
-    for (part, pieces) in parts {
-        match pieces {
-            Some(mut pieces) => {
-                pieces.loosen(&part.positions, &part.coordinates);
-                leaves.add(&part, &pieces, report);
-            }
-            None => wood.push(part),
+        let part = surface.load(root, placed, &frame, report)?;
+        if !part.triangles.is_empty() {
+            parts.push(part);
         }
     }
-    let trunk = super::trunk::join(wood, materials, report)?;
-    let foliage = leaves.into_foliage(materials, report)?;
-    if foliage.groups.is_empty() && report.triangles > 0 {
+    let evidence = if options.foliage.is_empty() {
+        Evidence::Guess
+    } else {
+        Evidence::Named
+    };
+    let (trunk, foliage) = mesh::sort(parts, evidence, materials, report)?;
+    if foliage.groups.is_empty() && report.found("triangles") > 0 {
         let names = known_names(root);
         let message = format!("no foliage found; it can be named: {names}");
         report.add(ReportKind::Missing, 1, "/materials", message);
@@ -224,44 +210,4 @@ fn check_corners(opened: &[(Placed, Surface<'_>)]) -> Result<(), Fault> {
         }
     }
     Ok(())
-}
-
-fn has_alpha(root: &Root, material: Option<usize>) -> Result<bool, Fault> {
-    match material {
-        None => Ok(false),
-        Some(material) => Ok(alpha_mode(root, material)? != AlphaMode::Opaque),
-    }
-}
-
-/// Takes the pieces away from materials that are not mostly cards: those are wood.
-fn keep_mostly_cards(root: &Root, parts: &mut [(Part, Option<Pieces>)], report: &mut ImportReport) {
-    let mut counts: BTreeMap<Option<usize>, (u64, u64)> = BTreeMap::new();
-    for (part, pieces) in parts.iter() {
-        if let Some(pieces) = pieces {
-            let others: usize = pieces.others.iter().map(Vec::len).sum();
-            let count = counts.entry(part.placed.material).or_default();
-            count.0 += 2 * pieces.cards.len() as u64;
-            count.1 += 2 * pieces.cards.len() as u64 + others as u64;
-        }
-    }
-    for (&material, &(cards, all)) in &counts {
-        let index = material.unwrap_or_default();
-        let name = root.materials[index].name.as_deref().unwrap_or_default();
-        let taken = if 2 * cards > all { "foliage" } else { "wood" };
-        let message = format!(
-            "material {name:?} has alpha and {cards} of {all} triangles are cards: taken as {taken}"
-        );
-        report.add(
-            ReportKind::Guessed,
-            1,
-            format!("/materials/{index}"),
-            message,
-        );
-    }
-    for (part, pieces) in parts {
-        let counted = counts.get(&part.placed.material);
-        if counted.is_some_and(|&(cards, all)| 2 * cards <= all) {
-            *pieces = None;
-        }
-    }
 }

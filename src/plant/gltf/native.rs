@@ -7,12 +7,12 @@ use super::record::{
     Envelope, GroupRecord, POINTER, PrototypeKind, QUAD_CORNERS, Record, SCHEMA, SkeletonRecord,
     TrunkRecord,
 };
-use super::report::{ImportReport, ReportKind};
 use super::scene::Placed;
 use super::surface::Surface;
 use super::{Fault, Materials};
 use crate::limits::{PLANT_FILE_BYTES, PLANT_LEAVES};
 use crate::math::{Digester, Vec2, Vec3};
+use crate::plant::import::{ImportReport, ReportKind};
 use crate::plant::{Branch, Foliage, LeafGroup, Material, Mesh, Node, Plant, Prototype, Skeleton};
 use gltf_json::Root;
 use gltf_json::mesh::Mode;
@@ -355,7 +355,7 @@ impl<'r> Reading<'_, 'r, '_> {
         let Some((own, rest)) = numbers.split_at_checked(5) else {
             return Err(Fault::new(pointer, "lacks the numbers of its material"));
         };
-        let mut material = materials.read(Some(index), report)?;
+        let mut material = materials.material(Some(index), report)?;
         let [r, g, b, a] = &mut material.base_color;
         for (seen, &word) in [r, g, b, a].into_iter().zip(own) {
             // JSON holds what glTF allows, the numbers what the plant has.

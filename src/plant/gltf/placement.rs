@@ -80,12 +80,12 @@ impl Placement {
         }
     }
 
-    /// A point in world space; bits stay as they are where nothing moves.
-    pub(super) fn point(&self, point: Vec3) -> Vec3 {
+    /// A point in world space, in 64 bits; where nothing moves it is what it was.
+    pub(super) fn point64(&self, point: Vec3) -> DVec3 {
         if *self == Self::IDENTITY {
-            return point;
+            return point.as_dvec3();
         }
-        (self.linear * point.as_dvec3() + self.translation).as_vec3()
+        self.linear * point.as_dvec3() + self.translation
     }
 
     /// Whether the map turns left hands into right hands, and so the winding of triangles.
@@ -148,10 +148,13 @@ mod tests {
         };
         let placement = Placement::of(&node, 0).unwrap();
         // A quarter turn about y takes +x to −z.
-        let moved = placement.point(Vec3::X);
-        assert!(moved.distance(Vec3::new(0.0, 10.0, -2.0)) < 1e-6, "{moved}");
-        let twice = placement.child(&placement).point(Vec3::ZERO);
-        assert!(twice.distance(Vec3::new(0.0, 20.0, 0.0)) < 1e-6, "{twice}");
+        let moved = placement.point64(Vec3::X);
+        assert!(
+            moved.distance(DVec3::new(0.0, 10.0, -2.0)) < 1e-6,
+            "{moved}"
+        );
+        let twice = placement.child(&placement).point64(Vec3::ZERO);
+        assert!(twice.distance(DVec3::new(0.0, 20.0, 0.0)) < 1e-6, "{twice}");
     }
 
     #[test]

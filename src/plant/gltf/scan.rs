@@ -1,9 +1,9 @@
 //! A first look at a document's JSON that costs no memory: sizes, depth, integers, extensions.
 
-use super::ImportError;
 use super::error::Fault;
 use crate::document::DocumentError;
 use crate::limits::{JSON_OBJECTS, JSON_VALUES};
+use crate::plant::import::ImportError;
 use gltf_json::Root;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeMap;

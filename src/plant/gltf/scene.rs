@@ -2,8 +2,9 @@
 
 use super::error::Fault;
 use super::placement::Placement;
-use super::report::{ImportReport, ReportKind};
 use crate::limits::PLACED_PRIMITIVES;
+use crate::plant::import::mesh::{Names, listed, says_leaves};
+use crate::plant::import::{ImportReport, ReportKind};
 use gltf_json::Root;
 use std::collections::BTreeSet;
 
@@ -16,6 +17,8 @@ pub(super) struct Placed {
     pub(super) placement: Placement,
     /// Whether one of the names that the user gave applies.
     pub(super) named: bool,
+    /// Whether the name of its node or mesh says that it is leaves.
+    pub(super) name_says: bool,
     pub(super) material: Option<usize>,
 }
 
@@ -70,7 +73,8 @@ pub(super) fn place(
                 placement
             };
             let mesh = (mesh.value(), index);
-            place_mesh(root, mesh, placement, named, names, &mut placed)?;
+            let hints = (named, says_leaves(node.name.as_deref()));
+            place_mesh(root, mesh, placement, hints, names, &mut placed)?;
         }
         let children = node.children.as_deref().unwrap_or_default();
         for (place, child) in children.iter().enumerate().rev() {
@@ -97,7 +101,7 @@ fn place_mesh(
     root: &Root,
     (index, node): (usize, usize),
     placement: Placement,
-    named: bool,
+    (named, name_says): (bool, bool),
     names: &mut Names<'_>,
     placed: &mut Vec<Placed>,
 ) -> Result<(), Fault> {
@@ -106,6 +110,7 @@ fn place_mesh(
         return Err(Fault::index(pointer, "mesh", index, root.meshes.len()));
     };
     let named = names.has(mesh.name.as_deref()) || named;
+    let name_says = says_leaves(mesh.name.as_deref()) || name_says;
     for (primitive, content) in mesh.primitives.iter().enumerate() {
         let material = content.material.map(|material| material.value());
         let material_name = match material.map(|material| (material, root.materials.get(material)))
@@ -137,6 +142,7 @@ fn place_mesh(
             primitive,
             placement,
             named,
+            name_says,
             material,
         });
     }
@@ -212,37 +218,6 @@ fn scene_roots(root: &Root, report: &mut ImportReport) -> Result<Vec<Step>, Faul
         .collect())
 }
 
-/// The names that the user gave, and whether anything bears them.
-#[derive(Debug)]
-pub(super) struct Names<'a> {
-    asked: Vec<(&'a str, bool)>,
-}
-
-impl<'a> Names<'a> {
-    pub(super) fn new(names: &'a [String]) -> Self {
-        Self {
-            asked: names.iter().map(|name| (name.as_str(), false)).collect(),
-        }
-    }
-
-    fn has(&mut self, name: Option<&str>) -> bool {
-        let mut any = false;
-        for (asked, found) in &mut self.asked {
-            if Some(*asked) == name {
-                *found = true;
-                any = true;
-            }
-        }
-        any
-    }
-
-    /// A name that nothing in the scene bears.
-    pub(super) fn unknown(&self) -> Option<&'a str> {
-        let unknown = self.asked.iter().find(|(_, found)| !found);
-        unknown.map(|(name, _)| *name)
-    }
-}
-
 /// The names that a document has, for the user to choose from.
 pub(super) fn known_names(root: &Root) -> String {
     let nodes = root.nodes.iter().filter_map(|node| node.name.clone());
@@ -261,19 +236,8 @@ pub(super) fn known_names(root: &Root) -> String {
         .chain(materials)
         .chain(primitives)
         .collect();
-    let shown: Vec<String> = names
-        .iter()
-        .take(SHOWN)
-        .map(|name| format!("{name:?}"))
-        .collect();
-    match names.len() {
-        0 => "no names at all".to_owned(),
-        count if count > SHOWN => format!("{} and {} more", shown.join(", "), count - SHOWN),
-        _ => shown.join(", "),
-    }
+    listed(&names)
 }
-
-const SHOWN: usize = 24;
 
 fn primitive_label(mesh: Option<&str>, index: usize) -> Option<String> {
     mesh.map(|mesh| format!("{mesh}#{index}"))
@@ -282,7 +246,7 @@ fn primitive_label(mesh: Option<&str>, index: usize) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
+    use crate::math::{DVec3, Vec3};
 
     fn walk(json: &str, names: &[&str]) -> Result<Vec<Placed>, Fault> {
         let json = format!(r#"{{"asset":{{"version":"2.0"}},{json}}}"#);
@@ -302,8 +266,8 @@ mod tests {
         );
         let placed = walk(&json, &[]).unwrap();
         assert_eq!(placed.len(), 2);
-        let point = placed[0].placement.point(Vec3::ONE);
-        assert_eq!(point, Vec3::new(3.0, 5.0, 2.0));
+        let point = placed[0].placement.point64(Vec3::ONE);
+        assert_eq!(point, DVec3::new(3.0, 5.0, 2.0));
         assert_eq!(placed[1].pointer(), "/meshes/0/primitives/1");
     }
 

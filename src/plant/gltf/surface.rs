@@ -2,10 +2,13 @@
 
 use super::accessor::{Elements, Reader, Wanted};
 use super::error::Fault;
-use super::report::{ImportReport, ReportKind};
+use super::material::alpha_mode;
 use super::scene::Placed;
-use crate::math::{Vec2, Vec3, index_u32};
+use crate::math::{DVec3, Vec2, Vec3, index_u32};
+use crate::plant::import::mesh::{Part, compact, says_leaves};
+use crate::plant::import::{Frame, ImportReport, ReportKind};
 use gltf_json::accessor::{ComponentType, Type};
+use gltf_json::material::AlphaMode;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
@@ -18,18 +21,6 @@ pub(super) struct Surface<'r> {
     pub(super) normals: Option<Elements<'r>>,
     pub(super) coordinates: Option<Elements<'r>>,
     pub(super) indices: Option<(Elements<'r>, usize)>,
-}
-
-/// A primitive's triangles in world space, without vertices that no triangle names.
-#[derive(Debug)]
-pub(super) struct Part {
-    pub(super) placed: Placed,
-    pub(super) positions: Vec<Vec3>,
-    /// Unit normals, or zero where the document has none that can be used.
-    pub(super) normals: Vec<Vec3>,
-    pub(super) coordinates: Vec<Vec2>,
-    /// Counter-clockwise seen from outside, also where the placement mirrors.
-    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 /// Opens the accessors of a primitive; `None` if it has no positions.
@@ -114,8 +105,30 @@ impl Surface<'_> {
             .map_or(self.positions.count(), |(indices, _)| indices.count())
     }
 
+    /// Hands every vertex that the primitive names to a function, in world space. Indices out of range are
+    /// left out: they are refused where triangles are read.
+    pub(super) fn visit(&self, placed: &Placed, take: &mut dyn FnMut(DVec3)) {
+        if self.corner_count() == 0 {
+            return;
+        }
+        for place in 0..self.element_count() {
+            let vertex = self
+                .indices
+                .map_or(place, |(indices, _)| indices.index(place) as usize);
+            if vertex < self.positions.count() {
+                take(placed.placement.point64(self.positions.vec3(vertex)));
+            }
+        }
+    }
+
     /// Reads the triangles of a placed primitive.
-    pub(super) fn load(&self, placed: &Placed, report: &mut ImportReport) -> Result<Part, Fault> {
+    pub(super) fn load(
+        &self,
+        root: &Root,
+        placed: &Placed,
+        frame: &Frame,
+        report: &mut ImportReport,
+    ) -> Result<Part, Fault> {
         let pointer = placed.pointer();
         let mut triangles = self.triangles(&pointer, report)?;
         if placed.placement.mirrors() {
@@ -123,13 +136,7 @@ impl Surface<'_> {
                 triangle.swap(1, 2);
             }
         }
-        let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        for index in triangles.iter_mut().flatten() {
-            let place = vertices.binary_search(index);
-            *index = index_u32(place.expect("every index was collected"));
-        }
+        let (vertices, triangles) = compact(triangles);
         let mut positions = Vec::with_capacity(vertices.len());
         let mut normals = Vec::with_capacity(vertices.len());
         let mut coordinates = Vec::with_capacity(vertices.len());
@@ -138,7 +145,7 @@ impl Surface<'_> {
         for &vertex in &vertices {
             let vertex = vertex as usize;
             let local = self.positions.vec3(vertex);
-            let position = placed.placement.point(local);
+            let position = frame.point(placed.placement.point64(local));
             if !position.is_finite() {
                 let message = format!(
                     "vertex {vertex} at {local} lies at {position} in the world, wanted finite numbers"
@@ -151,7 +158,7 @@ impl Surface<'_> {
             positions.push(position);
             let normal = self.normals.map_or(Vec3::ZERO, |normals| {
                 let normal = normal_matrix * normals.vec3(vertex).as_dvec3();
-                let unit = normal.normalize_or_zero().as_vec3();
+                let unit = frame.direction(normal.normalize_or_zero());
                 bad_normals += u64::from(unit == Vec3::ZERO);
                 unit
             });
@@ -171,8 +178,17 @@ impl Surface<'_> {
         let message = "normals that are zero or not finite: computed from the triangles";
         let at = format!("{pointer}/attributes/NORMAL");
         report.add(ReportKind::Repaired, bad_normals, at, message);
+        let material = placed.material.and_then(|index| root.materials.get(index));
         Ok(Part {
-            placed: placed.clone(),
+            place: pointer,
+            material: placed.material,
+            named: placed.named,
+            has_alpha: match placed.material {
+                Some(material) => alpha_mode(root, material)? != AlphaMode::Opaque,
+                None => false,
+            },
+            material_says: says_leaves(material.and_then(|material| material.name.as_deref())),
+            name_says: placed.name_says,
             positions,
             normals,
             coordinates,

@@ -4,9 +4,13 @@
 //! spelling, and what the foliage systems need besides: exact leaf counts, how far simplification
 //! goes, silhouettes and colours. What a file does not say is the paper's quaking aspen.
 
+mod arbaro;
 mod read;
 #[cfg(test)]
 mod tests;
+mod write;
+
+pub use arbaro::ArbaroSpecies;
 
 use super::Silhouette;
 

@@ -225,3 +225,49 @@ fn documents_that_are_no_species_are_refused() {
         "{missing}"
     );
 }
+
+/// The shipped species, and young trees.
+fn shipped() -> Vec<(String, Species)> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/species");
+    let mut species = Vec::new();
+    for folder in [folder.clone(), folder.join("young")] {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("readable").path();
+            if path.extension().is_some_and(|ending| ending == "toml") {
+                let name = path.display().to_string();
+                species.push((
+                    name,
+                    Species::read(&path).expect("shipped species are sound"),
+                ));
+            }
+        }
+    }
+    species
+}
+
+#[test]
+fn what_is_written_reads_back_equal() {
+    let shipped = shipped();
+    assert!(shipped.len() >= 20, "only {} species", shipped.len());
+    for (name, species) in shipped {
+        let text = species.to_toml();
+        assert_eq!(parse(&text).as_ref(), Ok(&species), "{name}");
+    }
+    for line in [
+        "needle_diameter = 0.0003",
+        "faces = 10\ndroop = -7.1\nfold = 1e-3",
+    ] {
+        let species = parse(&with("foliage", line)).unwrap();
+        assert_eq!(parse(&species.to_toml()), Ok(species));
+    }
+    let named = Species {
+        name: "a \"quoted\" \\ name\nof two lines".to_owned(),
+        latin: "Bäume".to_owned(),
+        leaf_count: Some(7),
+        stop_leaves: Some(3),
+        trunk_polygons: Some(0),
+        omitted_leaves: vec![1, 5],
+        ..parse(&with("", "")).unwrap()
+    };
+    assert_eq!(parse(&named.to_toml()), Ok(named));
+}

@@ -7,7 +7,7 @@ use spinney::gpu::{
     BufferDescriptor, Card, Device, DeviceDescriptor, GpuError, Link, Residency, Usage,
 };
 use spinney::limits;
-use spinney::plant::gltf::{ImportOptions, import, import_bytes};
+use spinney::plant::import::{ImportOptions, import, import_bytes};
 use spinney::plant::{Foliage, LeafGroup, Material, Plant, Prototype, Species};
 use spinney::raster::{Counters, Options, TileSize};
 use spinney::report::Picture;
@@ -248,6 +248,47 @@ fn leaves_of_a_plant_are_limited() {
     // As many as may be are refused for another reason: they have no vertices.
     let said = plant(limits::PLANT_LEAVES).unwrap_err().to_string();
     assert!(!said.contains("exceed"), "{said}");
+}
+
+#[test]
+fn counts_of_a_file_of_wood_are_limited() {
+    let read = |text: &str| {
+        let imported = import_bytes("a.txt", text.as_bytes(), None, &ImportOptions::default());
+        imported
+            .map(|imported| imported.report.found("entities"))
+            .map_err(|error| error.to_string())
+    };
+    let table = |columns: usize| {
+        let (names, zeros) = (",x".repeat(columns - 9), ",0".repeat(columns - 9));
+        format!(
+            "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius{names}\n0,-1,0,0,0,0,0,1,0.1{zeros}\n"
+        )
+    };
+    assert!(read(&table(limits::TABLE_COLUMNS)).is_ok());
+    let said = read(&table(limits::TABLE_COLUMNS + 1)).unwrap_err();
+    assert!(
+        said.contains("10001 columns exceed the limit of 10000"),
+        "{said}"
+    );
+    let graph = |tabs: usize, last: u64| {
+        let tabs = "\t".repeat(tabs);
+        format!(
+            "CODE:\tFORM-A\nMTG:\nENTITY-CODE{tabs}XX\tYY\tZZ\n/E1{tabs}0\t0\t0\n^<<E{last}{tabs}0\t0\t9\n"
+        )
+    };
+    // Of the last one's number, the first and the last are not between.
+    assert_eq!(read(&graph(1, limits::SKIPPED_ENTITIES + 2)), Ok(10_002));
+    let said = read(&graph(1, limits::SKIPPED_ENTITIES + 3)).unwrap_err();
+    assert!(
+        said.contains("10001 entities between two of a line exceed the limit of 10000"),
+        "{said}"
+    );
+    assert_eq!(read(&graph(limits::TABLE_COLUMNS - 3, 2)), Ok(2));
+    let said = read(&graph(limits::TABLE_COLUMNS - 2, 2)).unwrap_err();
+    assert!(
+        said.contains("10001 columns exceed the limit of 10000"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::super::*;
 use crate::math::{Vec2, Vec3};
 use crate::plant::Prototype;
+use crate::plant::import::{ImportError, ImportOptions, Imported, import_bytes};
 use serde_json::{Value, json};
 
 /// A document under construction, with one buffer.
@@ -153,6 +154,7 @@ pub(super) fn bark() -> (Vec<Vec3>, Vec<u32>) {
 pub(super) fn load(bytes: &[u8], names: &[&str]) -> Result<Imported, ImportError> {
     let options = ImportOptions {
         foliage: names.iter().map(|&name| name.to_owned()).collect(),
+        ..ImportOptions::default()
     };
     import_bytes("tree.glb", bytes, None, &options)
 }

@@ -4,6 +4,7 @@ use super::super::*;
 use super::fixture::{CARD, Fixture, bark, counts, load};
 use crate::limits;
 use crate::math::{Vec2, Vec3};
+use crate::plant::import::{ImportOptions, ReportKind, import};
 use crate::plant::{LeafGroup, NO_BRANCH, Prototype, Texture};
 use serde_json::json;
 
@@ -199,7 +200,7 @@ fn buffers_and_images_lie_in_the_document_or_beside_it() {
     fixture.json["textures"] = json!([{ "source": 0 }]);
     let path = folder.path().join("birch.gltf");
     std::fs::write(folder.path().join("my tree.bin"), &fixture.bytes).unwrap();
-    let png = export::encode_png(&texture);
+    let png = encode_png(&texture);
     std::fs::write(folder.path().join("leaf.png"), &png).unwrap();
     let data = |bytes: &[u8]| format!("data:;base64,{}", base64(bytes));
     let mut digests = Vec::new();

@@ -2,5 +2,6 @@
 
 mod fixture;
 mod foreign;
+mod forms;
 mod hostile;
 mod own;

@@ -1,23 +1,26 @@
 //! All that is not foliage: one mesh of trunk and branches.
 
-use super::report::{ImportReport, ReportKind};
-use super::surface::Part;
-use super::{Fault, Materials};
+use super::{Materials, Part};
 use crate::math::{DVec3, Vec3, index_u32};
 use crate::plant::Mesh;
+use crate::plant::import::{ImportReport, ReportKind};
 use std::collections::BTreeMap;
 
 /// Joins parts to one mesh, with the material that most of its triangles have.
-pub(super) fn join(
+///
+/// # Errors
+///
+/// As [`Materials::read`].
+pub(super) fn join<M: Materials>(
     parts: Vec<Part>,
-    materials: &mut Materials<'_, '_>,
+    materials: &mut M,
     report: &mut ImportReport,
-) -> Result<Option<Mesh>, Fault> {
+) -> Result<Option<Mesh>, M::Fault> {
     let mut counts: BTreeMap<Option<usize>, (u64, String)> = BTreeMap::new();
     for part in &parts {
         let count = part.triangles.len() as u64;
-        let entry = counts.entry(part.placed.material);
-        entry.or_insert_with(|| (0, part.placed.pointer())).0 += count;
+        let entry = counts.entry(part.material);
+        entry.or_insert_with(|| (0, part.place.clone())).0 += count;
     }
     let total: u64 = counts.values().map(|(count, _)| count).sum();
     report.trunk_triangles += total;
@@ -34,7 +37,7 @@ pub(super) fn join(
     for (index, (count, place)) in counts.into_iter().filter(|(index, _)| *index != main.1) {
         let message = format!(
             "triangles of wood with material {}: they take {:?}, which most wood has",
-            index.map_or("default".to_owned(), |index| index.to_string()),
+            index.map_or("default".to_owned(), |index| materials.title(index)),
             material.name
         );
         report.add(ReportKind::Merged, count, place, message);
@@ -48,7 +51,7 @@ pub(super) fn join(
     };
     let place = parts
         .first()
-        .map_or(String::new(), |part| part.placed.pointer());
+        .map_or(String::new(), |part| part.place.clone());
     // By value, so that a part's memory is free again once it is joined.
     for part in parts {
         let offset = index_u32(mesh.positions.len());

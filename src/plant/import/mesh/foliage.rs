@@ -1,17 +1,16 @@
 //! From pieces of foliage to groups of leaves that share a prototype and a material.
 
-use super::cards::Pieces;
-use super::report::{ImportReport, ReportKind};
-use super::surface::Part;
-use super::{Fault, Materials};
+use super::cards::{self, Pieces};
+use super::{Materials, Part};
 use crate::limits::MATERIAL_GROUPS;
 use crate::math::{Vec2, Vec3, index_u32};
+use crate::plant::import::{ImportReport, ReportKind};
 use crate::plant::{Foliage, LeafGroup, NO_BRANCH, Prototype};
 use std::collections::BTreeMap;
 
 /// Leaves as they are found, sorted by material and prototype.
 #[derive(Debug, Default)]
-pub(super) struct Leaves {
+pub(in crate::plant) struct Leaves {
     index: BTreeMap<(Option<usize>, Shape), usize>,
     kinds: Vec<Kind>,
 }
@@ -30,13 +29,13 @@ struct Kind {
     shape: Shape,
     positions: Vec<Vec3>,
     leaves: usize,
-    first: (usize, usize),
+    place: String,
 }
 
 impl Leaves {
-    /// Adds the pieces of one primitive.
+    /// Adds the pieces of one part.
     pub(super) fn add(&mut self, part: &Part, pieces: &Pieces, report: &mut ImportReport) {
-        let place = part.placed.pointer();
+        let place = &part.place;
         let mut new_diagonals = 0;
         for &card in &pieces.cards {
             let (corners, is_turned) = in_roles(card, &part.coordinates);
@@ -71,13 +70,12 @@ impl Leaves {
                  diagonal divides them",
             ),
         ] {
-            report.add(kind, count, &place, message);
+            report.add(kind, count, place, message);
         }
     }
 
     fn push(&mut self, part: &Part, shape: Shape, vertices: &[u32]) {
-        let material = part.placed.material;
-        let first = (part.placed.mesh, part.placed.primitive);
+        let material = part.material;
         let index = *self
             .index
             .entry((material, shape))
@@ -87,7 +85,7 @@ impl Leaves {
                     shape: shape.clone(),
                     positions: Vec::new(),
                     leaves: 0,
-                    first,
+                    place: part.place.clone(),
                 });
                 self.kinds.len() - 1
             });
@@ -102,11 +100,15 @@ impl Leaves {
     /// The groups, in the order in which their first leaves were met. Of each material, cards of
     /// rare texture quadrilaterals take the nearest frequent one, and other shapes that occur once
     /// or are rare become one leaf of many faces.
-    pub(super) fn into_foliage(
+    ///
+    /// # Errors
+    ///
+    /// As [`Materials::read`].
+    pub(super) fn into_foliage<M: Materials>(
         mut self,
-        materials: &mut Materials<'_, '_>,
+        materials: &mut M,
         report: &mut ImportReport,
-    ) -> Result<Foliage, Fault> {
+    ) -> Result<Foliage, M::Fault> {
         let mut by_material: BTreeMap<Option<usize>, [Vec<usize>; 2]> = BTreeMap::new();
         for (index, kind) in self.kinds.iter().enumerate() {
             let is_faces = matches!(kind.shape, Shape::Faces(..));
@@ -196,7 +198,7 @@ impl Leaves {
             report.add(
                 ReportKind::Guessed,
                 kind.leaves as u64,
-                kind.place(),
+                &kind.place,
                 message,
             );
         }
@@ -225,13 +227,13 @@ impl Leaves {
                            a material, drawn as it is";
             report.add(ReportKind::Merged, count as u64, place, message);
         }
-        let first = self.kinds[first].first;
+        let place = self.kinds[first].place.clone();
         self.kinds.push(Kind {
             material,
             shape: Shape::Faces(all_coordinates, all_triangles),
             positions,
             leaves: 1,
-            first,
+            place,
         });
     }
 
@@ -248,14 +250,35 @@ impl Kind {
         }
     }
 
-    fn place(&self) -> String {
-        format!("/meshes/{}/primitives/{}", self.first.0, self.first.1)
-    }
-
     fn take(&mut self) -> (Vec<Vec3>, usize, String) {
         let positions = std::mem::take(&mut self.positions);
-        (positions, std::mem::take(&mut self.leaves), self.place())
+        (
+            positions,
+            std::mem::take(&mut self.leaves),
+            self.place.clone(),
+        )
     }
+}
+
+/// The prototype of a mesh that leaves share, and which of its vertices each of the prototype's is.
+pub(in crate::plant) fn prototype_of(
+    positions: &[Vec3],
+    coordinates: &[Vec2],
+    triangles: &[[u32; 3]],
+) -> (Prototype, Vec<u32>) {
+    let pieces = cards::split(positions, coordinates, triangles);
+    if let ([card], []) = (pieces.cards.as_slice(), pieces.others.as_slice()) {
+        let (corners, _) = in_roles(*card, coordinates);
+        let texture_corners = corners.map(|corner| coordinates[corner as usize]);
+        return (Prototype::Quad { texture_corners }, corners.to_vec());
+    }
+    let (vertices, triangles) = super::compact(triangles.to_vec());
+    let texture_coordinates = vertices.iter().map(|&v| coordinates[v as usize]).collect();
+    let prototype = Prototype::Faces {
+        texture_coordinates,
+        triangles,
+    };
+    (prototype, vertices)
 }
 
 /// The corners of a card, from the left end of its base in winding order, and whether that changes

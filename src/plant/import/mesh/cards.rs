@@ -1,9 +1,9 @@
 //! Taking triangles apart into connected pieces, and telling which pieces are cards.
 
-use crate::math::{Vec2, Vec3, index_u32};
+use crate::math::{DVec3, Vec2, Vec3, index_u32};
 use std::collections::BTreeSet;
 
-/// The connected pieces of a primitive.
+/// The connected pieces of a part.
 #[derive(Debug, Default)]
 pub(super) struct Pieces {
     /// Cards: four vertices in winding order; the triangles are 0-1-2 and 0-2-3.
@@ -14,6 +14,8 @@ pub(super) struct Pieces {
     pub(super) repeated: u64,
     /// Cards whose second triangle faced the other way.
     pub(super) turned: u64,
+    /// A number for each vertex of the part, the same for equal positions.
+    pub(super) places: Vec<u32>,
 }
 
 /// Splits triangles into pieces that share no position.
@@ -24,8 +26,9 @@ pub(super) fn split(positions: &[Vec3], coordinates: &[Vec2], triangles: &[[u32;
     let places = place_classes(positions);
     let mut pieces = Pieces::default();
     for piece in components(&places, triangles) {
-        pieces.add(piece, &places, coordinates);
+        pieces.add(piece, positions, &places, coordinates);
     }
+    pieces.places = places;
     pieces
 }
 
@@ -33,7 +36,7 @@ impl Pieces {
     /// Splits pieces that are no cards further, where vertices are not shared although positions
     /// are: leaves that touch. A piece stays whole unless all of it becomes cards.
     pub(super) fn loosen(&mut self, positions: &[Vec3], coordinates: &[Vec2]) {
-        let places = place_classes(positions);
+        let places = std::mem::take(&mut self.places);
         let mut own: Vec<u32> = (0..index_u32(positions.len())).collect();
         for piece in std::mem::take(&mut self.others) {
             // Only the vertices of this piece are classes of their own: cost follows its size.
@@ -45,7 +48,7 @@ impl Pieces {
             }
             let mut parts = Self::default();
             for part in components(&own, &piece) {
-                parts.add(part, &places, coordinates);
+                parts.add(part, positions, &places, coordinates);
             }
             if parts.others.is_empty() {
                 self.cards.append(&mut parts.cards);
@@ -55,17 +58,21 @@ impl Pieces {
                 self.others.push(piece);
             }
         }
+        self.places = places;
     }
 
-    fn add(&mut self, piece: Vec<[u32; 3]>, places: &[u32], coordinates: &[Vec2]) {
-        let mut seen = BTreeSet::new();
-        let mut kept = piece;
-        let before = kept.len();
-        kept.retain(|triangle| {
-            let mut key = triangle.map(|vertex| places[vertex as usize]);
-            key.sort_unstable();
-            seen.insert(key)
-        });
+    fn add(
+        &mut self,
+        piece: Vec<[u32; 3]>,
+        positions: &[Vec3],
+        places: &[u32],
+        coordinates: &[Vec2],
+    ) {
+        let before = piece.len();
+        let mut kept = once(piece, places);
+        if let Some(half) = front(&kept, positions, places) {
+            kept.truncate(half);
+        }
         self.repeated += (before - kept.len()) as u64;
         match card(&kept, places, coordinates) {
             Some((corners, turned)) => {
@@ -76,6 +83,96 @@ impl Pieces {
         }
     }
 }
+
+/// The triangles without those on the same three positions as an earlier one.
+fn once(mut triangles: Vec<[u32; 3]>, places: &[u32]) -> Vec<[u32; 3]> {
+    let key = |triangle: &[u32; 3]| {
+        let mut key = triangle.map(|vertex| places[vertex as usize]);
+        key.sort_unstable();
+        key
+    };
+    // Sorted, not in a tree: a trunk of millions of triangles is one piece.
+    let mut order: Vec<([u32; 3], u32)> = triangles.iter().map(key).zip(0..).collect();
+    order.sort_unstable();
+    let twins = order.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    let mut repeated: Vec<u32> = twins.map(|pair| pair[1].1).collect();
+    if repeated.is_empty() {
+        return triangles;
+    }
+    repeated.sort_unstable();
+    let mut number = 0_u32..;
+    triangles.retain(|_| {
+        let own = number.next().expect("the range does not end");
+        repeated.binary_search(&own).is_err()
+    });
+    triangles
+}
+
+/// How many triangles make the front of a leaf whose back is divided along other diagonals: a flat polygon
+/// of n corners is n − 2 triangles, and twice as many on the same corners show both of its sides.
+fn front(triangles: &[[u32; 3]], positions: &[Vec3], places: &[u32]) -> Option<usize> {
+    let corners = |triangles: &[[u32; 3]]| {
+        let corners = triangles.iter().flatten();
+        let corners: BTreeSet<u32> = corners.map(|&vertex| places[vertex as usize]).collect();
+        corners
+    };
+    let half = triangles.len() / 2;
+    if half < 2 || triangles.len() % 2 == 1 || half + 2 > MOST_CORNERS {
+        return None;
+    }
+    let (front, back) = triangles.split_at(half);
+    let same = corners(front);
+    let is_flat = |side: &[[u32; 3]]| flatness(side, positions) > 0.9;
+    let twice = same.len() == half + 2 && same == corners(back);
+    (twice && is_flat(front) && is_flat(back)).then_some(half)
+}
+
+/// The most vertices of a leaf that is told from wood by its form alone.
+const MOST_CORNERS: usize = 11;
+
+/// How nearly triangles face one way: the length of their areas' sum as vectors over the sum of their
+/// lengths. 1 for what is flat, 0.64 for a strip that is bent back by 180°, and for an open cone its radius
+/// over its slant.
+fn flatness(triangles: &[[u32; 3]], positions: &[Vec3]) -> f64 {
+    let (mut sum, mut lengths) = (DVec3::ZERO, 0.0);
+    for corners in triangles {
+        let [a, b, c] = corners.map(|corner| positions[corner as usize].as_dvec3());
+        let area = (b - a).cross(c - a);
+        sum += area;
+        lengths += area.length();
+    }
+    if lengths > 0.0 {
+        sum.length() / lengths
+    } else {
+        0.0
+    }
+}
+
+/// Whether a piece that is no card may be a leaf: at most 11 corners, no holes, not closed, and no tube.
+///
+/// A surface that can be shrunk to a point has Euler's number 1 (corners − edges + triangles); tubes that
+/// are open at both ends have 0, closed ones 2. A twig that ends in a point has 1 too, but faces all ways.
+pub(super) fn is_leaf(piece: &[[u32; 3]], positions: &[Vec3], places: &[u32]) -> bool {
+    if piece.len() > 2 * MOST_CORNERS {
+        return false;
+    }
+    let (mut corners, mut edges) = (BTreeSet::new(), BTreeSet::new());
+    for triangle in piece {
+        let [a, b, c] = triangle.map(|vertex| places[vertex as usize]);
+        corners.extend([a, b, c]);
+        edges.extend([
+            (a.min(b), a.max(b)),
+            (b.min(c), b.max(c)),
+            (c.min(a), c.max(a)),
+        ]);
+    }
+    corners.len() <= MOST_CORNERS
+        && corners.len() + piece.len() == edges.len() + 1
+        && flatness(piece, positions) > LEAF_FLATNESS
+}
+
+/// Above the open cones that twigs end in, unless they are shorter than three times their radius.
+const LEAF_FLATNESS: f64 = 0.35;
 
 /// The corners of a card, and whether its second triangle faced the other way.
 fn card(triangles: &[[u32; 3]], places: &[u32], coordinates: &[Vec2]) -> Option<([u32; 4], bool)> {
@@ -118,7 +215,7 @@ fn card(triangles: &[[u32; 3]], places: &[u32], coordinates: &[Vec2]) -> Option<
 }
 
 /// A number for each vertex, the same for equal positions; −0 equals 0.
-fn place_classes(positions: &[Vec3]) -> Vec<u32> {
+pub(in crate::plant) fn place_classes(positions: &[Vec3]) -> Vec<u32> {
     let key = |vertex: u32| {
         (positions[vertex as usize] + Vec3::ZERO)
             .to_array()
@@ -139,7 +236,7 @@ fn place_classes(positions: &[Vec3]) -> Vec<u32> {
 
 /// Triangles grouped by which vertex classes they share, directly or through others; groups and
 /// their triangles in the order in which they are met.
-fn components(classes: &[u32], triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
+pub(in crate::plant) fn components(classes: &[u32], triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
     let class = |vertex: u32| classes[vertex as usize];
     let most = triangles
         .iter()
@@ -247,6 +344,61 @@ mod tests {
         coordinates[4] = Vec2::splat(9.0);
         let found = split(&positions, &coordinates, &[[0, 1, 2], [4, 5, 3]]);
         assert_eq!((found.cards.len(), found.others.len()), (0, 1));
+    }
+
+    #[test]
+    fn backs_along_the_other_diagonal_are_the_same_card() {
+        let both = [[0, 1, 2], [0, 2, 3], [1, 0, 3], [1, 3, 2]];
+        let found = pieces(&SQUARE, &both);
+        assert_eq!(found.cards, [[0, 1, 2, 3]]);
+        assert_eq!((found.repeated, found.turned), (2, 0));
+        // A tetrahedron has as many triangles on as many corners, but two of them face different ways.
+        let mut solid = SQUARE;
+        solid[3] = Vec3::new(0.5, 0.5, 1.0);
+        let found = pieces(&solid, &both);
+        assert_eq!((found.cards.len(), found.others[0].len()), (0, 4));
+    }
+
+    #[test]
+    fn leaves_are_told_from_twigs_by_their_form() {
+        let may_be = |positions: &[Vec3], triangles: &[[u32; 3]]| {
+            is_leaf(triangles, positions, &place_classes(positions))
+        };
+        assert!(may_be(&SQUARE, &[[0, 1, 2], [0, 2, 3]]));
+        // A strip of 8 corners that is bent over its whole length by 135°.
+        let bent: Vec<Vec3> = [(0.0, 0.0), (0.0, 1.0), (0.7, 1.7), (1.4, 1.0)]
+            .iter()
+            .flat_map(|&(x, y)| [0.0, 1.0].map(|z| Vec3::new(x, y, z)))
+            .collect();
+        let strip: Vec<[u32; 3]> = (0..3)
+            .flat_map(|step| [[0, 1, 3], [0, 3, 2]].map(|t| t.map(|corner| corner + 2 * step)))
+            .collect();
+        assert!(may_be(&bent, &strip));
+        // A twig of three sides that ends in a point, and a tube that is open at both ends.
+        let twig = [
+            Vec3::new(1.0, 0.0, 0.0),
+            Vec3::new(-0.5, 0.0, 0.9),
+            Vec3::new(-0.5, 0.0, -0.9),
+            Vec3::new(0.0, 9.0, 0.0),
+        ];
+        assert!(!may_be(&twig, &[[1, 0, 3], [2, 1, 3], [0, 2, 3]]));
+        let tube: Vec<Vec3> = twig[..3].iter().flat_map(|&p| [p, p + Vec3::Y]).collect();
+        let sides = [
+            [0, 2, 3],
+            [0, 3, 1],
+            [2, 4, 5],
+            [2, 5, 3],
+            [4, 0, 1],
+            [4, 1, 5],
+        ];
+        assert!(!may_be(&tube, &sides));
+        // Twelve corners are too many.
+        let fan: Vec<[u32; 3]> = (1..11).map(|corner| [0, corner, corner + 1]).collect();
+        let round: Vec<Vec3> = (0..12_u8)
+            .map(|n| Vec3::new(f32::from(n), f32::from(n * n), 0.0))
+            .collect();
+        assert!(!may_be(&round, &fan));
+        assert!(may_be(&round, &fan[..9]));
     }
 
     #[test]

@@ -1,15 +1,16 @@
 //! What an import counted, guessed, repaired and left out.
 
+use super::Format;
 use serde::Serialize;
 use std::fmt;
 
 /// What an import did; prints as a few lines of text.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct ImportReport {
-    /// Primitives that the scene places, each placement counted.
-    pub primitives: u64,
-    /// Triangles of these.
-    pub triangles: u64,
+    /// What the file was read as; `None` before anything is.
+    pub format: Option<Format>,
+    /// What the file holds, in its own words and the order of reading: how many cylinders, say.
+    pub found: Vec<Found>,
     /// Triangles that became wood.
     pub trunk_triangles: u64,
     /// Leaves that are cards: two triangles, four corners.
@@ -22,6 +23,15 @@ pub struct ImportReport {
     pub entries: Vec<ReportEntry>,
 }
 
+/// How many of something a file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Found {
+    /// What it is, in the plural.
+    pub what: &'static str,
+    /// How many there are.
+    pub count: u64,
+}
+
 /// One thing that needs saying.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ReportEntry {
@@ -29,7 +39,7 @@ pub struct ReportEntry {
     pub kind: ReportKind,
     /// How often.
     pub count: u64,
-    /// Where first: a JSON pointer, or a byte offset of the container.
+    /// Where first: a line, a JSON pointer, or a byte offset of a container.
     pub place: String,
     /// To what, and what it means.
     pub message: String,
@@ -56,11 +66,28 @@ pub enum ReportKind {
     Repaired,
     /// Changed since spinney wrote it.
     Edited,
+    /// Brought to where plants stand.
+    Moved,
 }
 
 impl ImportReport {
+    /// Counts `count` more of what the file holds.
+    pub(in crate::plant) fn find(&mut self, what: &'static str, count: u64) {
+        match self.found.iter_mut().find(|found| found.what == what) {
+            Some(found) => found.count += count,
+            None => self.found.push(Found { what, count }),
+        }
+    }
+
+    /// How many of something the file holds.
+    #[must_use]
+    pub fn found(&self, what: &str) -> u64 {
+        let found = self.found.iter().find(|found| found.what == what);
+        found.map_or(0, |found| found.count)
+    }
+
     /// Counts `count` more of what `message` says; the first place stays.
-    pub(super) fn add(
+    pub(in crate::plant) fn add(
         &mut self,
         kind: ReportKind,
         count: u64,
@@ -101,18 +128,24 @@ const RECENT: usize = 64;
 impl fmt::Display for ImportReport {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
-            primitives,
-            triangles,
+            format,
+            found,
             trunk_triangles,
             quad_leaves,
             other_leaves,
             ..
         } = self;
         let how = if self.native { ", as written" } else { "" };
+        if let Some(format) = format {
+            write!(out, "{}: ", format.title())?;
+        }
+        for Found { what, count } in found {
+            write!(out, "{count} {what}, ")?;
+        }
         write!(
             out,
-            "{triangles} triangles in {primitives} primitives: {trunk_triangles} wood, \
-             {quad_leaves} quad leaves, {other_leaves} other leaves{how}"
+            "read as {trunk_triangles} triangles of wood, {quad_leaves} quad leaves, {other_leaves} other \
+             leaves{how}"
         )?;
         self.entries
             .iter()
@@ -147,6 +180,7 @@ impl fmt::Display for ReportKind {
             Self::NotUnderstood => "not understood",
             Self::Repaired => "repaired",
             Self::Edited => "edited",
+            Self::Moved => "moved",
         })
     }
 }
@@ -166,10 +200,9 @@ mod tests {
             report.entries[0].to_string(),
             "dropped: points (3, first at /meshes/0)"
         );
-        assert!(
-            report
-                .to_string()
-                .starts_with("0 triangles in 0 primitives")
-        );
+        report.find("cylinders", 3);
+        report.find("cylinders", 4);
+        assert_eq!(report.found("cylinders"), 7);
+        assert!(report.to_string().starts_with("7 cylinders, read as 0 "));
     }
 }
