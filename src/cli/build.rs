@@ -8,7 +8,7 @@ use super::terminal::Terminal;
 use super::tree_arguments::BuildOptions;
 use crate::raster::{Counters, Options, TileSize};
 use crate::report::{ChainReport, OutputFolder, chain_json, chain_text, mean_flip, write_chain};
-use crate::run::{ChainOptions, CompareOptions, SessionOptions, lod_chain};
+use crate::run::{ChainOptions, SessionOptions, WalkAway, lod_chain};
 use crate::scene::CardOptions;
 
 /// Pixels of the largest picture in which levels are looked for that nobody tells from full detail.
@@ -31,8 +31,7 @@ pub(super) fn build(
     };
     let wanted = ChainOptions {
         levels: options.levels,
-        looks: CompareOptions {
-            variants: Vec::new(),
+        looks: WalkAway {
             side: LARGEST_PICTURE,
             distances: 6,
             tolerance: options.tolerance,

@@ -7,12 +7,14 @@ use super::run::folder;
 use super::terminal::Terminal;
 use super::tree_arguments::CompareArguments;
 use crate::gpu::Card;
-use crate::models::Kind;
+use crate::models::{Kind, TrunkKind};
 use crate::raster::{Counters, Options, TileSize};
 use crate::report::{
     CompareReport, OutputFolder, compare_json, compare_text, mean_flip, write_compare,
 };
-use crate::run::{CompareOptions, SchemeFound, SessionOptions, Variant, compare as walk};
+use crate::run::{
+    CompareOptions, Scheme, SchemeFound, SessionOptions, Variant, WalkAway, compare as walk,
+};
 
 pub(super) fn compare(
     options: &CompareArguments,
@@ -29,13 +31,18 @@ pub(super) fn compare(
         counters: Counters::Exact,
     };
     tree.scene.cards.texture = options.texture;
+    // As many as it takes, rather than not at all; what they take is told.
+    tree.scene.cards.layers = MOST_LAYERS;
     let session = SessionOptions::of(&tree.scene, raster)?;
     let wanted = CompareOptions {
-        variants: schemes(session.card),
-        side: options.side,
-        distances: options.distances,
-        tolerance: options.tolerance,
-        session,
+        leaves: leaf_schemes(session.card),
+        wood: TrunkKind::all().collect(),
+        looks: WalkAway {
+            side: options.side,
+            distances: options.distances,
+            tolerance: options.tolerance,
+            session,
+        },
     };
     let crown = &tree.world.crowns[0];
     let mut report = CompareReport {
@@ -45,15 +52,25 @@ pub(super) fn compare(
         card: session.card,
         tolerance: options.tolerance,
         remarks: tree.world.remarks.clone(),
-        schemes: Vec::new(),
+        triangles: crown
+            .plant()
+            .trunk()
+            .map_or(0, |trunk| trunk.triangle_count().into()),
+        leaf_schemes: Vec::new(),
+        wood_schemes: Vec::new(),
+        left_out: Vec::new(),
     };
     let mut judge =
         |full: &[_], level: &[_]| -> Result<f64, CliError> { Ok(mean_flip(full, level)?) };
     let take = |found: SchemeFound| -> Result<(), CliError> {
-        report.schemes.push(found);
+        let schemes = match found.scheme {
+            Scheme::Leaves(_) => &mut report.leaf_schemes,
+            Scheme::Wood(_) => &mut report.wood_schemes,
+        };
+        schemes.push(found);
         Ok(())
     };
-    walk(&tree.world, &wanted, &progress, &mut judge, take)?;
+    report.left_out = walk(&tree.world, &wanted, &progress, &mut judge, take)?;
     drop(progress);
     write_compare(&output, &report)?;
     output.commit()?;
@@ -62,14 +79,17 @@ pub(super) fn compare(
     }
     let mut text = compare_text(&report, terminal.width());
     text.push_str(&format!(
-        "\n{}: report.html, tables, plots, sheet.png\n",
+        "\n{}: report.html, tables, plots, sheets\n",
         target.display()
     ));
     terminal.print(&text)
 }
 
+/// The most leaves in a texel of a leaf distribution map that a scene can ask for.
+const MOST_LAYERS: u32 = 256;
+
 /// All that a card can do at a level that is asked for.
-fn schemes(card: Card) -> Vec<Variant> {
+fn leaf_schemes(card: Card) -> Vec<Variant> {
     let pruned = Variant::usual(Kind::LodfStamps).pruned();
     let cards = [
         Kind::Impostors,

@@ -106,9 +106,9 @@ fn imported_facts(path: &Path, options: &ImportOptions) -> Result<Facts, CliErro
     Ok(facts)
 }
 
-/// A number to its third place.
+/// A number to its third place; nothing is never less than nothing.
 fn rounded(value: f64) -> Value {
-    json!((value * 1000.0).round() / 1000.0)
+    json!((value * 1000.0).round() / 1000.0 + 0.0)
 }
 
 /// What a plant holds.

@@ -1,9 +1,8 @@
 //! Schemes of level of detail on one tree, held against each other at the same visible error, and which to take.
 //!
 //! ```text
-//! run::compare ─▶ SchemeFound, … ─add─▶ CompareReport ─┬─ compare.json, compare.csv, distances.csv
-//!                                                      ├─ plots/*.svg, sheet.png
-//!                                                      └─ report.html
+//! run::compare ─▶ SchemeFound, … ─add─▶ CompareReport ─┬─ compare.json, report.html
+//!                                                      └─ leaves, wood: *.csv, plots/*.svg, sheets/*.png
 //! ```
 //!
 //! The tree stays at each distance for [`STAY`] frames: what a change sends is spread over them, what
@@ -17,10 +16,10 @@ use super::{
     ReportError, Scale, Scatter, Section, Table, Thing, ViewQuality, grouped, sheet,
 };
 use crate::gpu::{Card, Ledger, Link, Ticks, nanoseconds};
-use crate::run::{COMPARE_VIEWS, SchemeFound, SchemeStep, Shot};
+use crate::run::{COMPARE_VIEWS, LeftOut, SchemeFound, SchemeStep, Shot};
 
 /// The value of `schema` in `compare.json`.
-pub const COMPARE_SCHEMA: &str = "spinney.compare/1";
+pub const COMPARE_SCHEMA: &str = "spinney.compare/2";
 
 /// Frames that the tree stays at a distance: a second.
 pub const STAY: u64 = 60;
@@ -43,8 +42,27 @@ pub struct CompareReport {
     pub tolerance: f64,
     /// What importing had to say.
     pub remarks: Vec<String>,
-    /// What was found, scheme by scheme.
-    pub schemes: Vec<SchemeFound>,
+    /// How many triangles its wood has.
+    pub triangles: u64,
+    /// What was found of its foliage, scheme by scheme.
+    pub leaf_schemes: Vec<SchemeFound>,
+    /// What was found of its wood, scheme by scheme.
+    pub wood_schemes: Vec<SchemeFound>,
+    /// Schemes that cannot show it.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// What is held against each other: schemes of one part of the tree.
+#[derive(Clone, Copy)]
+struct Part<'r> {
+    report: &'r CompareReport,
+    /// As it is spoken of.
+    what: &'static str,
+    /// What files of it are called by.
+    name: &'static str,
+    /// What of it shows.
+    shown: &'static str,
+    schemes: &'r [SchemeFound],
 }
 
 /// What a scheme comes to over the whole walk.
@@ -124,13 +142,46 @@ impl SchemeSums {
 }
 
 impl CompareReport {
-    fn within(&self, error: f64) -> bool {
-        error <= self.tolerance
+    /// Of what there is anything to say.
+    fn parts(&self) -> Vec<Part<'_>> {
+        let part = |what, name, shown, schemes| Part {
+            report: self,
+            what,
+            name,
+            shown,
+            schemes,
+        };
+        let mut parts = vec![
+            part("the leaves", "leaves", "leaves", &self.leaf_schemes[..]),
+            part("the wood", "wood", "triangles, lines", &self.wood_schemes),
+        ];
+        parts.retain(|part| !part.schemes.is_empty());
+        parts
+    }
+
+    /// Which schemes to take, and why: a sentence each.
+    #[must_use]
+    pub fn advice(&self) -> Vec<String> {
+        let mut said: Vec<String> = self.parts().into_iter().flat_map(Part::advice).collect();
+        if said.is_empty() {
+            said.push("There are neither leaves nor wood, and nothing to compare.".to_owned());
+        }
+        let left_out = self.left_out.iter();
+        said.extend(
+            left_out.map(|left| format!("Without {}: {}.", left.scheme.label(), left.reason)),
+        );
+        said
+    }
+}
+
+impl<'r> Part<'r> {
+    fn within(self, error: f64) -> bool {
+        error <= self.report.tolerance
     }
 
     /// The schemes that stay within the tolerance at every distance, the fastest first; of those that are as
     /// fast as the one before them, the one that holds less.
-    fn sound(&self) -> Vec<(&SchemeFound, SchemeSums)> {
+    fn sound(self) -> Vec<(&'r SchemeFound, SchemeSums)> {
         let all = self
             .schemes
             .iter()
@@ -144,21 +195,23 @@ impl CompareReport {
         sound
     }
 
-    /// Which scheme to take, and why: a sentence each.
-    #[must_use]
-    pub fn advice(&self) -> Vec<String> {
+    fn advice(self) -> Vec<String> {
         let sound = self.sound();
         let Some((best, sums)) = sound.first() else {
-            return vec!["No scheme stays within the tolerance; ask for more.".to_owned()];
+            let what = self.what;
+            return vec![format!(
+                "No scheme of {what} stays within the tolerance; ask for more."
+            )];
         };
         let mut said = vec![format!(
-            "Take {}: {:.3} ms a frame on average over {} distances on {} and {}, {} B over the bus, {} B on \
+            "For {} take {}: {:.3} ms a frame on average over {} distances on {} and {}, {} B over the bus, {} B on \
              the device, FLIP at most {:.3}.",
-            best.variant.label(),
+            self.what,
+            best.scheme.label(),
             sums.mean_ms,
             best.steps.len(),
-            self.card.name(),
-            self.link.name(),
+            self.report.card.name(),
+            self.report.link.name(),
             grouped(sums.bytes, " "),
             grouped(best.resident_bytes, " "),
             sums.error,
@@ -166,9 +219,8 @@ impl CompareReport {
         let full = self
             .schemes
             .iter()
-            .find(|scheme| !scheme.variant.has_levels());
-        let full = full.filter(|full| full.variant.kind.shows_leaves());
-        if let Some(full) = full.filter(|full| full.variant != best.variant) {
+            .find(|found| !found.scheme.has_levels() && !found.scheme.stands_in());
+        if let Some(full) = full.filter(|full| full.scheme != best.scheme) {
             let all = SchemeSums::of(full);
             said.push(format!(
                 "Without levels of detail it would be {:.3} ms and {} B on the device: {:.1} times as long.",
@@ -178,20 +230,20 @@ impl CompareReport {
             ));
         }
         let least = sound.iter().min_by_key(|(_, sums)| sums.bytes);
-        if let Some((scheme, least)) = least.filter(|(scheme, _)| scheme.variant != best.variant) {
+        if let Some((found, least)) = least.filter(|(found, _)| found.scheme != best.scheme) {
             said.push(format!(
                 "{} sends least: {} B, at {:.3} ms a frame.",
-                scheme.variant.label(),
+                found.scheme.label(),
                 grouped(least.bytes, " "),
                 least.mean_ms
             ));
         }
         let small = sound.iter().min_by_key(|(scheme, _)| scheme.resident_bytes);
-        if let Some((scheme, least)) = small.filter(|(scheme, _)| scheme.variant != best.variant) {
+        if let Some((found, least)) = small.filter(|(found, _)| found.scheme != best.scheme) {
             said.push(format!(
                 "{} holds least on the device: {} B, at {:.3} ms a frame.",
-                scheme.variant.label(),
-                grouped(scheme.resident_bytes, " "),
+                found.scheme.label(),
+                grouped(found.resident_bytes, " "),
                 least.mean_ms
             ));
         }
@@ -200,11 +252,8 @@ impl CompareReport {
     }
 
     /// What is faster from some distance on.
-    fn far_advice(&self, best: &SchemeFound) -> Option<String> {
-        let cards = self
-            .schemes
-            .iter()
-            .filter(|scheme| !scheme.variant.kind.shows_leaves());
+    fn far_advice(self, best: &SchemeFound) -> Option<String> {
+        let cards = self.schemes.iter().filter(|found| found.scheme.stands_in());
         let from = |scheme: &SchemeFound| -> Option<usize> {
             let pairs = scheme.steps.iter().zip(&best.steps);
             let pays: Vec<bool> = pairs
@@ -226,7 +275,7 @@ impl CompareReport {
             "Where the crown is no more than {} pixels high, {} shows it within the tolerance in {:.3} ms for \
              {:.3}: let it stand for the leaves there (`[cards] from`), with {} B more on the device.",
             card.side * 9 / 10,
-            scheme.variant.label(),
+            scheme.scheme.label(),
             frame_ms(card),
             frame_ms(leaf),
             grouped(scheme.resident_bytes, " "),
@@ -234,8 +283,7 @@ impl CompareReport {
     }
 
     /// A row a scheme.
-    #[must_use]
-    pub fn table(&self) -> Table {
+    fn table(self) -> Table {
         let numbers = [
             "first upload, B",
             "on the device, B",
@@ -249,7 +297,7 @@ impl CompareReport {
         let rows = self.schemes.iter().map(|scheme| {
             let sums = SchemeSums::of(scheme);
             vec![
-                Cell::Text(scheme.variant.label()),
+                Cell::Text(scheme.scheme.label()),
                 Cell::Count(scheme.initial.upload.payload_bytes),
                 Cell::Count(scheme.resident_bytes),
                 Cell::Count(sums.bytes),
@@ -266,12 +314,11 @@ impl CompareReport {
     }
 
     /// A row a scheme and distance.
-    #[must_use]
-    pub fn distance_table(&self) -> Table {
+    fn distance_table(self) -> Table {
         let numbers = [
             "pixels a side",
             "level",
-            "leaves",
+            self.shown,
             "FLIP",
             "change, B",
             "change, transfers",
@@ -284,10 +331,10 @@ impl CompareReport {
             scheme.steps.iter().map(move |step| {
                 let fetched = step.frames.fetch.payload_bytes / u64::from(COMPARE_VIEWS);
                 vec![
-                    Cell::Text(scheme.variant.label()),
+                    Cell::Text(scheme.scheme.label()),
                     Cell::Count(step.side.into()),
                     number(step.level, 3),
-                    Cell::Count(step.leaves),
+                    Cell::Count(step.shown),
                     number(step.error, 4),
                     Cell::Count(step.change.upload.payload_bytes),
                     Cell::Count(step.change.upload.transfers),
@@ -314,7 +361,12 @@ fn words_then(word: &str, numbers: &[&str]) -> Vec<Column> {
 /// The table and the advice, for terminals.
 #[must_use]
 pub fn compare_text(report: &CompareReport, width: usize) -> String {
-    let mut text = report.table().to_text(width);
+    let mut text = String::new();
+    for part in report.parts() {
+        text.push_str(&format!("Schemes of {}\n\n", part.what));
+        text.push_str(&part.table().to_text(width));
+        text.push('\n');
+    }
     for sentence in report.advice() {
         text.push('\n');
         text.push_str(&sentence);
@@ -326,26 +378,33 @@ pub fn compare_text(report: &CompareReport, width: usize) -> String {
 /// Everything as JSON: `compare.json`.
 #[must_use]
 pub fn compare_json(report: &CompareReport) -> String {
-    let schemes = report.schemes.iter().map(|scheme| {
+    let of_scheme = |scheme: &SchemeFound, shown: &str| {
         let sums = SchemeSums::of(scheme);
         let steps = scheme.steps.iter().map(|step| {
             let [bytes, transfers] = traffic(&step.change);
             json!({
-                "side": step.side, "level": step.level, "leaves": step.leaves, "flip": step.error,
+                "side": step.side, "level": step.level, shown: step.shown, "flip": step.error,
                 "change_payload_bytes": bytes, "change_transfers": transfers,
                 "change_ms": change_ms(step), "frame_ms": frame_ms(step),
                 "frame_fetch_bytes": step.frames.fetch.payload_bytes / u64::from(COMPARE_VIEWS),
             })
         });
         json!({
-            "scheme": scheme.variant.label(),
+            "scheme": scheme.scheme.label(),
             "initial_payload_bytes": scheme.initial.upload.payload_bytes,
             "resident_bytes": scheme.resident_bytes,
             "bytes": sums.bytes, "transfers": sums.transfers,
             "mean_frame_ms": sums.mean_ms, "worst_frame_ms": sums.worst_ms, "worst_flip": sums.error,
             "distances": steps.collect::<Vec<Value>>(),
         })
-    });
+    };
+    let schemes = |found: &[SchemeFound], shown| -> Vec<Value> {
+        let found = found.iter();
+        found.map(|scheme| of_scheme(scheme, shown)).collect()
+    };
+    let left_out = report.left_out.iter();
+    let left_out =
+        left_out.map(|left| json!({ "scheme": left.scheme.label(), "reason": left.reason }));
     let document = json!({
         "schema": COMPARE_SCHEMA,
         "plant": report.plant,
@@ -356,17 +415,20 @@ pub fn compare_json(report: &CompareReport) -> String {
         "frames_a_distance": STAY,
         "advice": report.advice(),
         "remarks": report.remarks,
-        "schemes": schemes.collect::<Vec<Value>>(),
+        "triangles": report.triangles,
+        "schemes": schemes(&report.leaf_schemes, "leaves"),
+        "wood_schemes": schemes(&report.wood_schemes, "primitives"),
+        "left_out": left_out.collect::<Vec<Value>>(),
     });
     format!("{document:#}\n")
 }
 
 /// Bytes against time, and against what is held: a point a scheme.
-fn plots(report: &CompareReport) -> Scatter {
-    let sums: Vec<SchemeSums> = report.schemes.iter().map(SchemeSums::of).collect();
-    let things = report.schemes.iter().enumerate();
+fn plots(part: Part<'_>) -> Scatter {
+    let sums: Vec<SchemeSums> = part.schemes.iter().map(SchemeSums::of).collect();
+    let things = part.schemes.iter().enumerate();
     let things = things.map(|(color, scheme)| Thing {
-        name: scheme.variant.label(),
+        name: scheme.scheme.label(),
         color,
     });
     let log = |label: &str| Axis {
@@ -390,7 +452,10 @@ fn plots(report: &CompareReport) -> Scatter {
         },
     };
     Scatter {
-        title: "What schemes send, hold and take at the same visible error".to_owned(),
+        title: format!(
+            "What schemes of {} send, hold and take at the same visible error",
+            part.what
+        ),
         things: things.collect(),
         panels: vec![
             panel(
@@ -405,7 +470,7 @@ fn plots(report: &CompareReport) -> Scatter {
                 "frame, ms",
                 &|number| {
                     [
-                        report.schemes[number].resident_bytes as f64,
+                        part.schemes[number].resident_bytes as f64,
                         sums[number].mean_ms,
                     ]
                 },
@@ -421,17 +486,49 @@ fn plots(report: &CompareReport) -> Scatter {
 ///
 /// When a file cannot be written, or a picture is too large.
 pub fn write_compare(output: &OutputFolder, report: &CompareReport) -> Result<(), ReportError> {
-    let plot = plots(report).to_svg();
+    let mut sections = vec![Section::Text(format!(
+        "{}, {} leaves, {} triangles of wood, walking away: at each distance every scheme shows the coarsest of its \
+         levels whose difference from full detail, FLIP, is at most {}; cards that have none show their finest. \
+         Bytes of {STAY} frames a distance. Times are modelled: {}, {}. Leaves and wood are looked at one without \
+         the other.",
+        report.plant,
+        grouped(report.leaves, " "),
+        grouped(report.triangles, " "),
+        report.tolerance,
+        report.card.name(),
+        report.link.name()
+    ))];
+    sections.extend(report.advice().into_iter().map(Section::Text));
+    for part in report.parts() {
+        write_part(output, part, &mut sections)?;
+    }
+    sections.extend(report.remarks.iter().cloned().map(Section::Text));
+    let page = Page {
+        title: format!("Levels of detail for {}", report.plant),
+        sections,
+    };
+    output.write("report.html", page.to_html()?.as_bytes())?;
+    output.write("compare.json", compare_json(report).as_bytes())
+}
+
+/// Writes what is of one part, but for its sections of the page.
+fn write_part(
+    output: &OutputFolder,
+    part: Part<'_>,
+    sections: &mut Vec<Section>,
+) -> Result<(), ReportError> {
+    let (what, name) = (part.what, part.name);
+    let plot = plots(part).to_svg();
     let mut rows = Vec::new();
     let mut images = Vec::new();
-    for scheme in &report.schemes {
+    for found in part.schemes {
         let mut row = Vec::new();
-        for step in &scheme.steps {
+        for step in &found.steps {
             let picture = PictureView::of(step.shot.clone())?.picture;
             if row.is_empty() {
                 let small = shrink(&picture, step.side / THUMBNAIL_SIDE)?;
                 images.push(PageImage {
-                    caption: format!("{}, FLIP {:.3}", scheme.variant.label(), step.error),
+                    caption: format!("{}, FLIP {:.3}", found.scheme.label(), step.error),
                     png: small.to_small_png()?,
                 });
             }
@@ -439,46 +536,30 @@ pub fn write_compare(output: &OutputFolder, report: &CompareReport) -> Result<()
         }
         rows.push(row);
     }
-    // Leaf models that are as coarse show the same: one of them will do.
+    // Schemes of leaves, or of a mesh, that are as coarse show the same: one of them will do.
     images.dedup_by(|one, before| one.png == before.png);
-    images.truncate(Page::MAX_IMAGES);
+    images.truncate(Page::MAX_IMAGES / 2);
     if let Some(sheet) = sheet::of(&rows)? {
-        output.write("sheet.png", &sheet.to_small_png()?)?;
+        output.write(&format!("sheets/{name}.png"), &sheet.to_small_png()?)?;
     }
-    let mut sections = vec![Section::Text(format!(
-        "{}, {} leaves, walking away: at each distance every scheme shows the coarsest of its levels whose \
-         difference from full detail, FLIP, is at most {}; cards that have none show their finest. Bytes of {STAY} \
-         frames a distance. Times are modelled: {}, {}. Foliage alone.",
-        report.plant,
-        grouped(report.leaves, " "),
-        report.tolerance,
-        report.card.name(),
-        report.link.name()
-    ))];
-    sections.extend(report.advice().into_iter().map(Section::Text));
     sections.push(Section::Table {
-        caption: "Schemes".to_owned(),
-        table: report.table(),
+        caption: format!("Schemes of {what}"),
+        table: part.table(),
     });
     sections.push(Section::Figure(plot.clone()));
-    sections.push(Section::Heading(
-        "Any two, at the nearest distance".to_owned(),
-    ));
-    sections.push(Section::Comparison(Comparison::of_ways("scheme", images)));
+    if images.len() > 1 {
+        let heading = format!("Any two schemes of {what}, at the nearest distance");
+        sections.push(Section::Heading(heading));
+        sections.push(Section::Comparison(Comparison::of_ways("scheme", images)));
+    }
     sections.push(Section::Table {
-        caption: "Distance by distance".to_owned(),
-        table: report.distance_table(),
+        caption: format!("Schemes of {what}, distance by distance"),
+        table: part.distance_table(),
     });
-    sections.extend(report.remarks.iter().cloned().map(Section::Text));
-    let page = Page {
-        title: format!("Levels of detail for {}", report.plant),
-        sections,
-    };
-    output.write("report.html", page.to_html()?.as_bytes())?;
-    output.write("plots/schemes.svg", plot.as_bytes())?;
-    output.write("compare.csv", report.table().to_csv().as_bytes())?;
-    output.write("distances.csv", report.distance_table().to_csv().as_bytes())?;
-    output.write("compare.json", compare_json(report).as_bytes())
+    output.write(&format!("plots/{name}.svg"), plot.as_bytes())?;
+    output.write(&format!("{name}.csv"), part.table().to_csv().as_bytes())?;
+    let distances = part.distance_table().to_csv();
+    output.write(&format!("{name}-distances.csv"), distances.as_bytes())
 }
 
 /// Pixels of pictures on the sheet and on the page.

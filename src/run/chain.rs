@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::RunError;
 use super::collapse_file::collapse_file;
-use super::compare::{CompareOptions, Judge, coarsest_unseen};
+use super::compare::{Judge, WalkAway, coarsest_unseen};
 use super::export::{branch_meshes, face_meshes, leaf_meshes, trunk_mesh};
 use super::progress::Progress;
 use super::views::SPHERE_SHARE;
@@ -31,7 +31,7 @@ pub struct ChainOptions {
     pub cards: CardOptions,
     /// How levels of leaves are looked at, to find at which size nobody tells them from full detail; of
     /// no variants.
-    pub looks: CompareOptions,
+    pub looks: WalkAway,
 }
 
 /// The levels of a tree.

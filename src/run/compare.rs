@@ -3,14 +3,14 @@
 //!
 //! ```text
 //! distance 0, 1, …: the tree takes half as many pixels each time
-//!   leaves ─full detail─▶ pictures ─┬─▶ judged: the coarsest level within the tolerance
-//!   scheme ─levels──────▶ pictures ─┘        │
-//!                                            └─▶ change sent, frames drawn: ledgers
+//!   leaves or wood ─full detail─▶ pictures ─┬─▶ judged: the coarsest level within the tolerance
+//!   scheme ─────────levels──────▶ pictures ─┘        │
+//!                                                    └─▶ change sent, frames drawn: ledgers
 //! ```
 //!
 //! So schemes are held against each other at the same visible error, which is the only fair way to ask
 //! what one costs more than another. A scheme whose finest level is not within the tolerance shows that one.
-//! All of it is of the foliage alone.
+//! Leaves and wood are looked at one without the other: a tree has a scheme for each.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -22,19 +22,31 @@ use super::progress::Progress;
 use super::stand_ins::sphere_of;
 use super::studio::{Studio, StudioOptions};
 use super::sweep::Variant;
-use super::views::{Shot, look_along};
+use super::views::{SPHERE_SHARE, Shot, look_along};
 use super::world::World;
-use crate::gpu::Ledger;
-use crate::math::{Sphere, Vec3, index_u32, index_usize};
-use crate::models::{CardLevel, Crown, Kind, Model, ModelOptions, State};
+use crate::gpu::{Device, GpuError, Ledger};
+use crate::math::{Mat4, Sphere, Vec3, index_u32, index_usize};
+use crate::models::{
+    CardLevel, Crown, Environment, Kind, Model, Shared, State, Trunk, TrunkKind, TrunkLevel,
+    TrunkModel,
+};
 use crate::raster::Counters;
 use crate::scene::Simplifier;
 
 /// What is compared, and how closely.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompareOptions {
-    /// The schemes.
-    pub variants: Vec<Variant>,
+    /// The schemes of foliage.
+    pub leaves: Vec<Variant>,
+    /// The schemes of wood.
+    pub wood: Vec<TrunkKind>,
+    /// How they are looked at.
+    pub looks: WalkAway,
+}
+
+/// How a tree that walks away is looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WalkAway {
     /// The pictures' side at the first distance, in pixels, at least 8.
     pub side: u32,
     /// How many distances, each twice the one before: as long as pictures have 8 pixels a side.
@@ -51,11 +63,46 @@ pub const COMPARE_VIEWS: u32 = 3;
 /// How finely the axis of detail is looked through.
 const STEPS: u32 = 64;
 
+/// A scheme of one part of a tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Scheme {
+    /// Of its foliage.
+    Leaves(Variant),
+    /// Of its wood.
+    Wood(TrunkKind),
+}
+
+impl Scheme {
+    /// The label of the variant or kind.
+    #[must_use]
+    pub fn label(self) -> String {
+        match self {
+            Self::Leaves(variant) => variant.label(),
+            Self::Wood(kind) => kind.label(),
+        }
+    }
+
+    /// Whether it has anything but full detail.
+    #[must_use]
+    pub fn has_levels(self) -> bool {
+        match self {
+            Self::Leaves(variant) => variant.has_levels(),
+            Self::Wood(kind) => kind.has_levels(),
+        }
+    }
+
+    /// Whether it shows something else in place of leaves.
+    #[must_use]
+    pub fn stands_in(self) -> bool {
+        matches!(self, Self::Leaves(variant) if !variant.kind.shows_leaves())
+    }
+}
+
 /// What is found of a scheme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SchemeFound {
     /// The scheme.
-    pub variant: Variant,
+    pub scheme: Scheme,
     /// The upload of the model and one instance.
     pub initial: Ledger,
     /// What they hold on the device, in bytes.
@@ -64,15 +111,24 @@ pub struct SchemeFound {
     pub steps: Vec<SchemeStep>,
 }
 
+/// A scheme that cannot show the tree.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The scheme.
+    pub scheme: Scheme,
+    /// What the device has against it.
+    pub reason: String,
+}
+
 /// A scheme at one distance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SchemeStep {
-    /// The pictures' side in pixels, of which the sphere around the leaves takes 90 %.
+    /// The pictures' side in pixels, of which the sphere around the leaves, or around the wood, takes 90 %.
     pub side: u32,
     /// How far along its own levels it is: 0 the finest, 1 the coarsest.
     pub level: f64,
-    /// Leaves that show; none where cards stand for them.
-    pub leaves: u64,
+    /// Leaves that show, none where cards stand for them; of wood its triangles and lines.
+    pub shown: u64,
     /// The judge's measure: the mean over the pictures.
     pub error: f64,
     /// What going over to it from the distance before sent.
@@ -86,55 +142,50 @@ pub struct SchemeStep {
 /// How a picture is judged: a measure of the difference between those at full detail and others.
 pub type Judge<'j, E> = dyn FnMut(&[Shot], &[Shot]) -> Result<f64, E> + 'j;
 
-/// Walks every scheme away, one after another, full detail first. Everything is of the world's first plant;
-/// without one, nothing is found.
+/// Walks every scheme away, one after another, leaves before wood. Everything is of the world's first plant; of
+/// a part that it does not have nothing is found. Answers which schemes cannot show it.
 ///
 /// # Errors
 ///
-/// What the device refuses, and what `judge` and `take` answer.
+/// What the device refuses, unless it is that it cannot do what a scheme wants, and what `judge` and `take`
+/// answer.
 pub fn compare<E: From<RunError>>(
     world: &World,
     options: &CompareOptions,
     progress: &dyn Progress,
     judge: &mut Judge<'_, E>,
     mut take: impl FnMut(SchemeFound) -> Result<(), E>,
-) -> Result<(), E> {
-    let Some(crown) = world.crowns.first() else {
-        return Ok(());
-    };
-    progress.begin("schemes", options.variants.len() as u64 + 1);
-    let mut walk = Walk::new(crown, options);
-    walk.look_at_full_detail()?;
-    progress.step();
-    // Once a way of simplifying, however many modes have it.
-    let mut chosen: BTreeMap<bool, Vec<Chosen>> = BTreeMap::new();
-    let mut pruned: Option<Arc<Crown>> = None;
-    for &variant in &options.variants {
-        let crown = match variant.pruned {
-            false => Arc::clone(crown),
-            true => Arc::clone(pruned.get_or_insert_with(|| {
-                Arc::clone(&world.simplified_by(Simplifier::Pruning).crowns[0])
-            })),
-        };
-        let model = variant
-            .kind
-            .model(&crown, variant.session(&options.session).model);
-        let levels = if variant.kind.shows_leaves() {
-            let known = match chosen.entry(variant.pruned) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(room) => room.insert(walk.choose_leaves(&crown, judge)?),
-            };
-            match variant.kind.has_levels() {
-                true => known.clone(),
-                false => walk.full_detail(),
+) -> Result<Vec<LeftOut>, E> {
+    let crown = world.crowns.first();
+    let crown = crown.filter(|crown| crown.plant().foliage().leaf_count() > 0);
+    let trunk = world.trunks.first().and_then(Option::as_ref);
+    let leaf_schemes = crown.map_or(0, |_| options.leaves.len());
+    let wood_schemes = trunk.map_or(0, |_| options.wood.len());
+    progress.begin("schemes", (leaf_schemes + wood_schemes) as u64);
+    let mut left_out = Vec::new();
+    if let Some(crown) = crown {
+        let mut walk = LeafWalk::new(world, crown, &options.looks)?;
+        for &variant in &options.leaves {
+            match walk.scheme(variant, judge)? {
+                Ok(found) => take(found)?,
+                Err(reason) => left_out.push(LeftOut {
+                    scheme: Scheme::Leaves(variant),
+                    reason,
+                }),
             }
-        } else {
-            walk.choose_cards(model.as_ref(), variant.kind, judge)?
-        };
-        take(walk.measure(variant, model.as_ref(), levels)?)?;
-        progress.step();
+            progress.step();
+        }
     }
-    Ok(())
+    if let Some(trunk) = trunk {
+        let mut walk = WoodWalk::new(trunk, &options.looks)?;
+        for &kind in &options.wood {
+            if !kind.has_errors() || trunk.plant().skeleton().is_some() {
+                take(walk.scheme(kind, judge)?)?;
+            }
+            progress.step();
+        }
+    }
+    Ok(left_out)
 }
 
 /// The coarsest of some uniform levels of a crown that is within the tolerance, picture side by picture side,
@@ -146,34 +197,206 @@ pub fn compare<E: From<RunError>>(
 pub(super) fn coarsest_unseen<E: From<RunError>>(
     crown: &Arc<Crown>,
     collapses: &[u32],
-    options: &CompareOptions,
+    options: &WalkAway,
     judge: &mut Judge<'_, E>,
 ) -> Result<Vec<(u32, u32)>, E> {
-    let mut walk = Walk::new(crown, options);
-    walk.look_at_full_detail()?;
+    let model = leaf_model(crown, options);
+    let subject = Subject::leaves(model.as_ref());
+    let walk = Walk::new(&subject, sphere_of(crown), options)?;
     let last = index_u32(collapses.len().saturating_sub(1));
     let state = |step: u32| State::Uniform {
         collapses: collapses.get(step as usize).copied().unwrap_or(0),
     };
-    let chosen = walk.choose(walk.leaf_model(crown).as_ref(), last, &state, judge)?;
+    let chosen = walk.choose(&subject, last, &state, judge)?;
     let steps = chosen.iter().map(|chosen| chosen.step);
     Ok(walk.sides.iter().copied().zip(steps).collect())
 }
 
+/// The schemes of foliage.
+struct LeafWalk<'o> {
+    world: &'o World,
+    crown: &'o Arc<Crown>,
+    pruned: Option<Arc<Crown>>,
+    walk: Walk<'o>,
+    /// Once a way of simplifying, however many modes have it.
+    known: BTreeMap<bool, Vec<Chosen<State>>>,
+}
+
+impl<'o> LeafWalk<'o> {
+    fn new(
+        world: &'o World,
+        crown: &'o Arc<Crown>,
+        options: &'o WalkAway,
+    ) -> Result<Self, RunError> {
+        let model = leaf_model(crown, options);
+        let subject = Subject::leaves(model.as_ref());
+        Ok(Self {
+            world,
+            crown,
+            pruned: None,
+            walk: Walk::new(&subject, sphere_of(crown), options)?,
+            known: BTreeMap::new(),
+        })
+    }
+
+    /// A scheme, or why the device cannot do it.
+    fn scheme<E: From<RunError>>(
+        &mut self,
+        variant: Variant,
+        judge: &mut Judge<'_, E>,
+    ) -> Result<Result<SchemeFound, String>, E> {
+        let world = self.world;
+        let pruned = || Arc::clone(&world.simplified_by(Simplifier::Pruning).crowns[0]);
+        let crown = match variant.pruned {
+            false => Arc::clone(self.crown),
+            true => Arc::clone(self.pruned.get_or_insert_with(pruned)),
+        };
+        let options = self.walk.options;
+        let model = variant
+            .kind
+            .model(&crown, variant.session(&options.session).model);
+        let subject = Subject::leaves(model.as_ref());
+        match self.walk.studio(&subject, 0, Counters::Visible) {
+            Err(RunError::Gpu(error @ GpuError::Unsupported { .. })) => {
+                return Ok(Err(error.to_string()));
+            }
+            tried => tried?,
+        };
+        let levels = if !variant.kind.shows_leaves() {
+            let levels = options.session.model.cards.levels.as_slice().len();
+            let last = match variant.kind.has_levels() {
+                true => index_u32(levels) - 1,
+                false => 0,
+            };
+            let state = |step: u32| State::Cards(CardLevel(step * CardLevel::STEPS));
+            self.walk.choose(&subject, last, &state, judge)?
+        } else if variant.kind.has_levels() {
+            let known = match self.known.entry(variant.pruned) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(room) => {
+                    let all = u64::from(crown.sequence().collapse_count());
+                    let state = |step: u32| State::Uniform {
+                        collapses: index_u32(index_usize(all * u64::from(step) / u64::from(STEPS))),
+                    };
+                    // All that show leaves look alike.
+                    let model = leaf_model(&crown, options);
+                    let subject = Subject::leaves(model.as_ref());
+                    room.insert(self.walk.choose(&subject, STEPS, &state, judge)?)
+                }
+            };
+            known.clone()
+        } else {
+            self.walk.full_detail(&State::FINEST)
+        };
+        let shown = |state: &State| crown.shown_leaves(state);
+        let scheme = Scheme::Leaves(variant);
+        Ok(Ok(self.walk.measure(scheme, &subject, levels, &shown)?))
+    }
+}
+
+/// The schemes of wood.
+struct WoodWalk<'o> {
+    trunk: &'o Arc<Trunk>,
+    walk: Walk<'o>,
+    /// Meshes look alike wherever they lie; branches do not.
+    known: BTreeMap<TrunkKind, Vec<Chosen<TrunkLevel>>>,
+}
+
+impl<'o> WoodWalk<'o> {
+    fn new(trunk: &'o Arc<Trunk>, options: &'o WalkAway) -> Result<Self, RunError> {
+        let model = TrunkKind::FULL.model(trunk, options.session.model);
+        let subject = Subject::wood(model.as_ref());
+        let sphere = Sphere::of(&trunk.mesh().positions);
+        Ok(Self {
+            trunk,
+            walk: Walk::new(&subject, sphere, options)?,
+            known: BTreeMap::new(),
+        })
+    }
+
+    fn scheme<E: From<RunError>>(
+        &mut self,
+        kind: TrunkKind,
+        judge: &mut Judge<'_, E>,
+    ) -> Result<SchemeFound, E> {
+        let trunk = self.trunk;
+        let model = kind.model(trunk, self.walk.options.session.model);
+        let subject = Subject::wood(model.as_ref());
+        let levels = if kind.has_levels() {
+            let alike = match kind.has_errors() {
+                true => kind,
+                false => TrunkKind {
+                    mode: kind.name.modes()[0],
+                    ..kind
+                },
+            };
+            match self.known.entry(alike) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(room) => {
+                    let state = |step: u32| kind.level(trunk, step, STEPS);
+                    room.insert(self.walk.choose(&subject, STEPS, &state, judge)?)
+                }
+            }
+            .clone()
+        } else {
+            self.walk.full_detail(&TrunkLevel::FINEST)
+        };
+        let shown = |level: &TrunkLevel| {
+            let step = kind.shown_step(trunk, *level);
+            let lines = step.map_or(0, |step| trunk.branch_counts(step).lines);
+            u64::from(kind.triangle_count(trunk, *level)) + lines
+        };
+        let scheme = Scheme::Wood(kind);
+        Ok(self.walk.measure(scheme, &subject, levels, &shown)?)
+    }
+}
+
+/// The model by which leaves are looked at: all that show leaves look alike.
+fn leaf_model(crown: &Arc<Crown>, options: &WalkAway) -> Box<dyn Model> {
+    let usual = Variant::usual(Kind::LodfStamps).session(&options.session);
+    Kind::LodfStamps.model(crown, usual.model)
+}
+
+/// What a model sends.
+type Upload<'m, S> = dyn Fn(&mut Device, &Environment) -> Result<Box<dyn Shared<S>>, GpuError> + 'm;
+
+/// A model of leaves or of wood.
+struct Subject<'m, S> {
+    finest: S,
+    upload: Box<Upload<'m, S>>,
+}
+
+impl<'m> Subject<'m, State> {
+    fn leaves(model: &'m dyn Model) -> Self {
+        Self {
+            finest: State::FINEST,
+            upload: Box::new(|device, environment| model.upload(device, environment)),
+        }
+    }
+}
+
+impl<'m> Subject<'m, TrunkLevel> {
+    fn wood(model: &'m dyn TrunkModel) -> Self {
+        Self {
+            finest: TrunkLevel::FINEST,
+            upload: Box::new(|device, environment| model.upload(device, environment)),
+        }
+    }
+}
+
 /// What a scheme shows at a distance.
 #[derive(Debug, Clone)]
-struct Chosen {
-    state: State,
+struct Chosen<S> {
+    state: S,
     step: u32,
     level: f64,
     error: f64,
     shot: Shot,
 }
 
-/// The distances, and how the tree looks from them.
+/// The distances, and how the part of the tree looks from them.
 struct Walk<'o> {
-    crown: &'o Arc<Crown>,
-    options: &'o CompareOptions,
+    options: &'o WalkAway,
     sphere: Sphere,
     sides: Vec<u32>,
     /// By distance.
@@ -181,56 +404,62 @@ struct Walk<'o> {
 }
 
 impl<'o> Walk<'o> {
-    fn new(crown: &'o Arc<Crown>, options: &'o CompareOptions) -> Self {
-        let found = sphere_of(crown);
+    /// Looks at a part at full detail.
+    fn new<S>(
+        full: &Subject<'_, S>,
+        sphere: Sphere,
+        options: &'o WalkAway,
+    ) -> Result<Self, RunError> {
         let sides = (0..options.distances.clamp(1, 16)).map(|far| options.side.max(8) >> far);
-        Self {
-            crown,
+        let mut walk = Self {
             options,
             // What has no size is looked at all the same.
             sphere: Sphere {
-                radius: found.radius.max(1e-3),
-                ..found
+                radius: sphere.radius.max(1e-3),
+                ..sphere
             },
             sides: sides.take_while(|&side| side >= 8).collect(),
             full: Vec::new(),
+        };
+        for far in 0..walk.sides.len() {
+            let mut studio = walk.studio(full, far, Counters::Visible)?;
+            let shots = walk.shots(&mut studio, far)?;
+            walk.full.push(shots);
         }
+        Ok(walk)
     }
 
-    fn studio(&self, model: &dyn Model, side: u32, counters: Counters) -> Result<Studio, RunError> {
+    fn studio<S>(
+        &self,
+        subject: &Subject<'_, S>,
+        far: usize,
+        counters: Counters,
+    ) -> Result<Studio<S>, RunError> {
         let options = StudioOptions {
-            side,
+            side: self.sides[far],
             link: self.options.session.link,
             card: self.options.session.card,
             counters,
         };
-        Studio::new(model, &State::FINEST, &options)
+        let pixels_per_metre = 0.5 * SPHERE_SHARE * self.sides[0] as f32 / self.sphere.radius;
+        Studio::of(&subject.finest, &options, pixels_per_metre, &subject.upload)
     }
 
-    fn shots(&self, studio: &mut Studio) -> Result<Vec<Shot>, RunError> {
-        let shot = |direction| Ok(Shot::of(studio.draw(look_along(direction, self.sphere))?.0));
-        sides_of_the_tree().into_iter().map(shot).collect()
+    /// What is seen from the sides: `w` grows with the distance, as in perspective, for whoever asks how many
+    /// pixels a metre spans.
+    fn views(&self, far: usize) -> [Mat4; COMPARE_VIEWS as usize] {
+        let w = (1_u32 << far) as f32;
+        sides_of_the_tree().map(|direction| look_along(direction, self.sphere) * w)
     }
 
-    fn look_at_full_detail(&mut self) -> Result<(), RunError> {
-        let model = self.leaf_model(self.crown);
-        for &side in &self.sides {
-            let mut studio = self.studio(model.as_ref(), side, Counters::Visible)?;
-            let shots = self.shots(&mut studio)?;
-            self.full.push(shots);
-        }
-        Ok(())
+    fn shots<S>(&self, studio: &mut Studio<S>, far: usize) -> Result<Vec<Shot>, RunError> {
+        let shot = |view| Ok(Shot::of(studio.draw(view)?.0));
+        self.views(far).into_iter().map(shot).collect()
     }
 
-    /// The model by which leaves are looked at: all that show leaves look alike.
-    fn leaf_model(&self, crown: &Arc<Crown>) -> Box<dyn Model> {
-        let usual = Variant::usual(Kind::LodfStamps).session(&self.options.session);
-        Kind::LodfStamps.model(crown, ModelOptions { ..usual.model })
-    }
-
-    fn full_detail(&self) -> Vec<Chosen> {
+    fn full_detail<S: Clone>(&self, finest: &S) -> Vec<Chosen<S>> {
         let all = self.full.iter().map(|shots| Chosen {
-            state: State::FINEST,
+            state: finest.clone(),
             step: 0,
             level: 0.0,
             error: 0.0,
@@ -239,51 +468,24 @@ impl<'o> Walk<'o> {
         all.collect()
     }
 
-    fn choose_leaves<E: From<RunError>>(
-        &self,
-        crown: &Arc<Crown>,
-        judge: &mut Judge<'_, E>,
-    ) -> Result<Vec<Chosen>, E> {
-        let all = u64::from(crown.sequence().collapse_count());
-        let state = |step: u32| State::Uniform {
-            collapses: index_u32(index_usize(all * u64::from(step) / u64::from(STEPS))),
-        };
-        self.choose(self.leaf_model(crown).as_ref(), STEPS, &state, judge)
-    }
-
-    fn choose_cards<E: From<RunError>>(
-        &self,
-        model: &dyn Model,
-        kind: Kind,
-        judge: &mut Judge<'_, E>,
-    ) -> Result<Vec<Chosen>, E> {
-        let levels = self.options.session.model.cards.levels.as_slice().len();
-        let last = match kind.has_levels() {
-            true => index_u32(levels) - 1,
-            false => 0,
-        };
-        let state = |step: u32| State::Cards(CardLevel(step * CardLevel::STEPS));
-        self.choose(model, last, &state, judge)
-    }
-
     /// The coarsest of the states `0..=last` at each distance whose error is within the tolerance, if it
     /// grows from state to state; state 0 where none is.
-    fn choose<E: From<RunError>>(
+    fn choose<S, E: From<RunError>>(
         &self,
-        model: &dyn Model,
+        subject: &Subject<'_, S>,
         last: u32,
-        state: &dyn Fn(u32) -> State,
+        state: &dyn Fn(u32) -> S,
         judge: &mut Judge<'_, E>,
-    ) -> Result<Vec<Chosen>, E> {
+    ) -> Result<Vec<Chosen<S>>, E> {
         let mut all = Vec::new();
         // What is unseen from near is unseen from afar.
         let mut least = 0;
-        for (&side, full) in self.sides.iter().zip(&self.full) {
-            let mut studio = self.studio(model, side, Counters::Visible)?;
-            let mut look = |step: u32| -> Result<Chosen, E> {
+        for (far, full) in self.full.iter().enumerate() {
+            let mut studio = self.studio(subject, far, Counters::Visible)?;
+            let mut look = |step: u32| -> Result<Chosen<S>, E> {
                 let state = state(step);
                 studio.show(&state)?;
-                let mut shots = self.shots(&mut studio)?;
+                let mut shots = self.shots(&mut studio, far)?;
                 Ok(Chosen {
                     state,
                     step,
@@ -314,30 +516,31 @@ impl<'o> Walk<'o> {
     }
 
     /// Goes through the states, and counts.
-    fn measure(
+    fn measure<S>(
         &self,
-        variant: Variant,
-        model: &dyn Model,
-        levels: Vec<Chosen>,
+        scheme: Scheme,
+        subject: &Subject<'_, S>,
+        levels: Vec<Chosen<S>>,
+        shown: &dyn Fn(&S) -> u64,
     ) -> Result<SchemeFound, RunError> {
-        let mut studio = self.studio(model, self.sides[0], Counters::Exact)?;
+        let mut studio = self.studio(subject, 0, Counters::Exact)?;
         let mut found = SchemeFound {
-            variant,
+            scheme,
             initial: studio.initial.clone(),
             resident_bytes: studio.resident_bytes,
             steps: Vec::new(),
         };
-        for (&side, chosen) in self.sides.iter().zip(levels) {
-            studio.resize(side)?;
+        for (far, chosen) in levels.into_iter().enumerate() {
+            studio.resize(self.sides[far])?;
             let change = studio.change_to(&chosen.state)?;
             let mut frames = Ledger::default();
-            for direction in sides_of_the_tree() {
-                frames.add(&studio.draw(look_along(direction, self.sphere))?.1);
+            for view in self.views(far) {
+                frames.add(&studio.draw(view)?.1);
             }
             found.steps.push(SchemeStep {
-                side,
+                side: self.sides[far],
                 level: chosen.level,
-                leaves: model.crown().shown_leaves(&chosen.state),
+                shown: shown(&chosen.state),
                 error: chosen.error,
                 change,
                 frames,

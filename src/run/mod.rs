@@ -48,7 +48,10 @@ pub use bytes::{ByteOptions, ModelBytes, PlantBytes, StepBytes, StepTraffic, byt
 pub use cache::{CacheLimit, ModelCache};
 pub use chain::{ChainOptions, LodChain, Rung, lod_chain};
 pub use collapse_file::{COLLAPSE_SCHEMA, collapse_file};
-pub use compare::{COMPARE_VIEWS, CompareOptions, Judge, SchemeFound, SchemeStep, compare};
+pub use compare::{
+    COMPARE_VIEWS, CompareOptions, Judge, LeftOut, Scheme, SchemeFound, SchemeStep, WalkAway,
+    compare,
+};
 pub use crowns::CrownStore;
 pub use export::{FrameExport, camera_json, export_frame};
 pub use frame::Frame;

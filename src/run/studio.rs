@@ -1,12 +1,12 @@
-//! One model alone on a device of its own, drawn from wherever it is asked for.
+//! One model, of foliage or of wood, alone on a device of its own, drawn from wherever it is asked for.
 
 use super::RunError;
 use crate::gpu::{
-    Card, Command, Device, DeviceDescriptor, Ledger, Link, Load, RenderPass, TargetDescriptor,
-    TargetId,
+    Card, Command, Device, DeviceDescriptor, GpuError, Ledger, Link, Load, RenderPass,
+    TargetDescriptor, TargetId,
 };
 use crate::math::{Mat4, Vec3};
-use crate::models::{Environment, Model, Placement, Resident, State, View};
+use crate::models::{Environment, Model, Placement, Resident, Shared, State, View};
 use crate::raster::{Counters, Options, Samples, Target, TileSize, decode_srgb};
 
 /// The sRGB colour behind the leaves: a hazy sky.
@@ -22,14 +22,14 @@ pub(super) struct StudioOptions {
     pub(super) counters: Counters,
 }
 
-/// One model in a state, without trunk, at the origin: square pictures of one sample a pixel, always
+/// One model in a state, of foliage without trunk or of wood without leaves, at the origin: square pictures of one sample a pixel, always
 /// with the same sky and light, those of scenes which say nothing of them, so that what is found for one plant
 /// can be held against what is found for another.
 #[derive(Debug)]
-pub(super) struct Studio {
+pub(super) struct Studio<S = State> {
     device: Device,
     environment: Environment,
-    pub(super) resident: Box<dyn Resident>,
+    pub(super) resident: Box<dyn Resident<S>>,
     target: TargetId,
     /// What the model and its instance sent.
     pub(super) initial: Ledger,
@@ -48,6 +48,25 @@ impl Studio {
         state: &State,
         options: &StudioOptions,
     ) -> Result<Self, RunError> {
+        Self::of(state, options, 0.0, |device, environment| {
+            model.upload(device, environment)
+        })
+    }
+}
+
+impl<S> Studio<S> {
+    /// As [`new`](Studio::new), of what `upload` sends to the device. A metre spans so many pixels where `w` of
+    /// clip space is 1: it decides how much of a pixel a line covers.
+    ///
+    /// # Errors
+    ///
+    /// What the device refuses.
+    pub(super) fn of(
+        state: &S,
+        options: &StudioOptions,
+        pixels_per_metre: f32,
+        upload: impl FnOnce(&mut Device, &Environment) -> Result<Box<dyn Shared<S>>, GpuError>,
+    ) -> Result<Self, RunError> {
         let mut device = Device::new(DeviceDescriptor {
             memory_bytes: u64::MAX,
             link: options.link,
@@ -57,11 +76,11 @@ impl Studio {
                 counters: options.counters,
             },
         });
-        let environment = Environment::new(&mut device, 1)?;
+        let environment = Environment::new(&mut device, 1)?.seen_by(pixels_per_metre);
         environment.place(&mut device.queue(), 0, &Placement::IDENTITY)?;
         let without = device.resident_bytes();
         device.take_ledger();
-        let shared = model.upload(&mut device, &environment)?;
+        let shared = upload(&mut device, &environment)?;
         let resident = shared.instance(&mut device, state, 0)?;
         let initial = device.take_ledger();
         let resident_bytes = device.resident_bytes() - without;
@@ -86,7 +105,7 @@ impl Studio {
     /// # Errors
     ///
     /// None on this device.
-    pub(super) fn show(&mut self, state: &State) -> Result<(), RunError> {
+    pub(super) fn show(&mut self, state: &S) -> Result<(), RunError> {
         self.resident.commit(&mut self.device.queue(), state)?;
         Ok(())
     }
@@ -96,7 +115,7 @@ impl Studio {
     /// # Errors
     ///
     /// None on this device.
-    pub(super) fn change_to(&mut self, state: &State) -> Result<Ledger, RunError> {
+    pub(super) fn change_to(&mut self, state: &S) -> Result<Ledger, RunError> {
         self.device.take_ledger();
         self.show(state)?;
         Ok(self.device.take_ledger())
@@ -134,6 +153,7 @@ impl Studio {
         self.environment.set_view(&mut queue, &view)?;
         let mut steps = Vec::new();
         self.resident.draw(&mut steps);
+        self.resident.draw_lines(&mut steps);
         let load = Load::Clear {
             color: decode_srgb(SKY),
             depth: 1.0,

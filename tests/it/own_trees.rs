@@ -237,6 +237,38 @@ fn compared_schemes_are_as_coarse_as_is_allowed() {
     );
     let full = scheme(&loose, "full");
     assert_eq!(numbers(&full, "leaves"), [300.0; 3]);
+    // Wood has schemes of its own: a mesh's levels are the same wherever its triangles lie.
+    let wood = |told: &Value, name: &str| -> Value {
+        let schemes = told["wood_schemes"].as_array().expect("a list");
+        let found = schemes.iter().find(|scheme| scheme["scheme"] == name);
+        found
+            .unwrap_or_else(|| panic!("{name} is compared"))
+            .clone()
+    };
+    for name in ["lodstrips-device", "lodstrips-host", "lodstrips-cut-device"] {
+        // Strips have their triangles in an order of their own, which decides where two are as near.
+        let flip = wood(&strict, name)["worst_flip"].as_f64();
+        assert!(flip.is_some_and(|flip| flip < 2e-3), "{name}: {flip:?}");
+        let found = wood(&loose, name);
+        let flips = numbers(&found, "flip");
+        assert!(flips.iter().all(|&flip| flip <= 0.2), "{name}: {flips:?}");
+        let primitives = numbers(&found, "primitives");
+        let full = numbers(&wood(&loose, "full"), "primitives");
+        assert!(
+            primitives.iter().rev().is_sorted() && primitives[2] < full[2],
+            "{name}: {primitives:?}"
+        );
+    }
+    let branches = numbers(&wood(&loose, "branches-mesh"), "primitives");
+    assert!(
+        branches[2] > 0.0 && branches[2] < branches[0],
+        "{branches:?}"
+    );
+    let said = loose["advice"].to_string();
+    assert!(
+        said.contains("For the leaves take ") && said.contains("For the wood take "),
+        "{said}"
+    );
     assert!(!loose["advice"].as_array().expect("a list").is_empty());
     let page = std::fs::read_to_string(folder.path().join("compared/report.html"));
     assert!(page.expect("written").contains("lodf-stamps"));
@@ -256,4 +288,47 @@ fn what_is_no_tree_is_refused_and_leaves_nothing() {
         );
         assert!(!folder.path().join("out").exists(), "{command}");
     }
+}
+
+#[test]
+fn a_tree_without_leaves_has_schemes_of_wood_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let cylinders = "radius,length,startX,startY,startZ,endX,endY,endZ,ID,parentID\n\
+        0.1,1,0,0,0,0,0,1,0,-1\n0.08,1,0,0,1,0,0.1,2,1,0\n0.03,1,0,0,1,0.8,0.1,1.5,2,0\n";
+    std::fs::write(folder.path().join("tree.csv"), cylinders).expect("writable");
+    let arguments = [
+        "compare",
+        "tree.csv",
+        "--side",
+        "32",
+        "--distances",
+        "2",
+        "--json",
+        "-o",
+        "c",
+    ];
+    let told = json(folder.path(), &arguments);
+    assert_eq!(told["schemes"], serde_json::json!([]));
+    assert!(
+        told["wood_schemes"].as_array().expect("a list").len() > 8,
+        "{told}"
+    );
+    let advice = told["advice"].as_array().expect("a list");
+    assert!(
+        advice[0]
+            .as_str()
+            .expect("a text")
+            .starts_with("For the wood take "),
+        "{advice:?}"
+    );
+    for written in [
+        "report.html",
+        "wood.csv",
+        "plots/wood.svg",
+        "sheets/wood.png",
+    ] {
+        assert!(folder.path().join("c").join(written).is_file(), "{written}");
+    }
+    assert!(!folder.path().join("c/leaves.csv").exists());
+    json(folder.path(), &["build", "tree.csv", "--json", "-o", "b"]);
 }
