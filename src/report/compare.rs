@@ -180,7 +180,7 @@ impl<'r> Part<'r> {
     }
 
     /// The schemes that stay within the tolerance at every distance, the fastest first; of those that are as
-    /// fast as the one before them, the one that holds less.
+    /// fast, first the one that holds and sends the least together.
     fn sound(self) -> Vec<(&'r SchemeFound, SchemeSums)> {
         let all = self
             .schemes
@@ -190,7 +190,7 @@ impl<'r> Part<'r> {
         sound.sort_by(|(_, a), (_, b)| a.mean_ms.total_cmp(&b.mean_ms));
         if let Some(fastest) = sound.first().map(|(_, sums)| sums.mean_ms) {
             let ties = sound.partition_point(|(_, sums)| sums.mean_ms <= AS_FAST * fastest);
-            sound[..ties].sort_by_key(|(scheme, _)| scheme.resident_bytes);
+            sound[..ties].sort_by_key(|(found, sums)| found.resident_bytes + sums.bytes);
         }
         sound
     }
