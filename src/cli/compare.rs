@@ -15,6 +15,7 @@ use crate::report::{
 use crate::run::{
     CompareOptions, Scheme, SchemeFound, SessionOptions, Variant, WalkAway, compare as walk,
 };
+use crate::scene::CardOptions;
 
 pub(super) fn compare(
     options: &CompareArguments,
@@ -32,7 +33,7 @@ pub(super) fn compare(
     };
     tree.scene.cards.texture = options.texture;
     // As many as it takes, rather than not at all; what they take is told.
-    tree.scene.cards.layers = MOST_LAYERS;
+    tree.scene.cards.layers = CardOptions::MOST_LAYERS;
     let session = SessionOptions::of(&tree.scene, raster)?;
     let wanted = CompareOptions {
         leaves: leaf_schemes(session.card),
@@ -84,9 +85,6 @@ pub(super) fn compare(
     ));
     terminal.print(&text)
 }
-
-/// The most leaves in a texel of a leaf distribution map that a scene can ask for.
-const MOST_LAYERS: u32 = 256;
 
 /// All that a card can do at a level that is asked for.
 fn leaf_schemes(card: Card) -> Vec<Variant> {

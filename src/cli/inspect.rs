@@ -8,7 +8,7 @@ use super::arguments::{InspectOptions, Shared};
 use super::error::CliError;
 use super::terminal::Terminal;
 use crate::document::Document;
-use crate::plant::import::{Format, ImportOptions, Imported, import};
+use crate::plant::import::{Format, ImportOptions, ImportReport, Imported, import};
 use crate::plant::{LeafGroup, Plant, Prototype, SpeciesFile};
 use crate::raster::Image;
 use crate::report::Picture;
@@ -99,10 +99,8 @@ fn imported_facts(path: &Path, options: &ImportOptions) -> Result<Facts, CliErro
         ("format", report.format.map_or("", Format::title).into()),
     );
     facts.insert(3, ("found", found.into()));
-    let entries = report.entries.iter();
-    let remarks: Vec<Value> = entries.map(|entry| entry.to_string().into()).collect();
     facts.push(("own_file", report.native.into()));
-    facts.push(("remarks", remarks.into()));
+    facts.push(("remarks", remarks(&report)));
     Ok(facts)
 }
 
@@ -217,15 +215,14 @@ fn species_facts(document: &Document) -> Result<Facts, CliError> {
 
 /// What a species file of another program has that has no counterpart here.
 pub(super) fn species_remarks(species: &SpeciesFile) -> Facts {
-    let entries = species
-        .report()
-        .into_iter()
-        .flat_map(|report| &report.entries);
-    let remarks: Vec<Value> = entries.map(|entry| entry.to_string().into()).collect();
-    match species.report() {
-        Some(_) => vec![("remarks", remarks.into())],
-        None => Vec::new(),
-    }
+    let report = species.report().into_iter();
+    report.map(|report| ("remarks", remarks(report))).collect()
+}
+
+/// What an import has to say, entry by entry.
+fn remarks(report: &ImportReport) -> Value {
+    let entries = report.entries.iter();
+    entries.map(|entry| entry.to_string()).collect()
 }
 
 fn scene_facts(document: Document) -> Result<Facts, CliError> {

@@ -8,6 +8,7 @@ use super::error::CliError;
 use super::terminal::Terminal;
 use super::tree_arguments::PlantFileOptions;
 use crate::document::Document;
+use crate::plant::SpeciesFile;
 use crate::run::{Progress, World};
 use crate::scene::{PlantSource, Scene, SceneFile};
 
@@ -66,7 +67,7 @@ impl OwnTree {
 /// Whether a file says how trees of a kind grow, rather than what one tree looks like.
 fn is_species(file: &Path) -> bool {
     let ending = file.extension().unwrap_or_default();
-    ["toml", "rls", "xml"]
+    SpeciesFile::ENDINGS
         .iter()
         .any(|known| ending.eq_ignore_ascii_case(known))
 }

@@ -19,6 +19,9 @@ pub enum SpeciesFile {
 }
 
 impl SpeciesFile {
+    /// The endings of the kinds' files.
+    pub const ENDINGS: [&str; 3] = ["toml", "rls", "xml"];
+
     /// Reads a species of any kind.
     ///
     /// # Errors
@@ -48,7 +51,7 @@ impl SpeciesFile {
     #[must_use]
     pub fn ending_of(file: &str) -> &'static str {
         let found = Path::new(file).extension().unwrap_or_default();
-        let mut known = ["rls", "xml"].into_iter();
+        let mut known = Self::ENDINGS.into_iter();
         known
             .find(|ending| found.eq_ignore_ascii_case(ending))
             .unwrap_or("toml")

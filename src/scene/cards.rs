@@ -111,6 +111,9 @@ pub struct CardOptions {
 }
 
 impl CardOptions {
+    /// The most that [`layers`](Self::layers) may be.
+    pub const MOST_LAYERS: u32 = 256;
+
     /// What holds where a scene says nothing: direct textures as [GSS05](crate::references) has them.
     pub const USUAL: Self = Self {
         levels: CardCounts::USUAL,

@@ -5,9 +5,9 @@ use crate::plant::import::{Format, Unit, UpAxis};
 
 use super::{
     BranchAlpha, BranchFrames, BranchLines, BranchRemoval, BranchShares, CardDepth, CardMode,
-    CardOutline, CardSides, CriterionName, DetailKind, Extraction, Gather, GroveBlend, GroveOrder,
-    GrovePacking, ImageSize, Layout, Mode, ModelName, NeedleMerging, Occlusion, PaintLook,
-    PaintMark, RecordWidth, Simplifier, SpriteScale, Transparency, TrunkMode, TrunkName,
+    CardOptions, CardOutline, CardSides, CriterionName, DetailKind, Extraction, Gather, GroveBlend,
+    GroveOrder, GrovePacking, ImageSize, Layout, Mode, ModelName, NeedleMerging, Occlusion,
+    PaintLook, PaintMark, RecordWidth, Simplifier, SpriteScale, Transparency, TrunkMode, TrunkName,
     VertexFormat,
 };
 
@@ -412,7 +412,7 @@ pub const KEYS: &[Key] = &[
         "Textures of front and back, or of the front for both."),
     key("cards.map", Kind::OneOf(&[8, 16, 32, 64, 128, 256, 512]), "texels", Absent::Value("64"),
         "In mode indirect: the sides of the map that says where leaves lie."),
-    key("cards.layers", Kind::Integer { min: 1, max: 256 }, "leaves", Absent::Value("8"),
+    key("cards.layers", Kind::Integer { min: 1, max: CardOptions::MOST_LAYERS as u64 }, "leaves", Absent::Value("8"),
         "In mode indirect: how many leaves a texel of the map may have at the most."),
     key("cards.sprites", Kind::Integer { min: 1, max: 256 }, "", Absent::Value("32"),
         "In mode indirect: how many turned pictures of a leaf there are."),

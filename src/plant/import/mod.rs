@@ -12,7 +12,7 @@
 //! ```
 //!
 //! A [`Plant`] stands at the origin with +Y up, in metres of 32 bits. Files have other axes and units, and
-//! may lie kilometres from their origin: [`Frame`](frame::Frame) brings their points, in 64 bits, to the plant's
+//! may lie kilometres from their origin: [`Frame`] brings their points, in 64 bits, to the plant's
 //! before anything is rounded.
 //!
 //! **Invariants.** No byte of a file is believed before it is checked. Memory stays in proportion to the

@@ -107,14 +107,7 @@ pub(super) fn place(
         total += u64::from(count);
         sized.push((count, blade));
     }
-    if total > GROWN_LEAVES as u64 {
-        return Err(ImportError::TooMany {
-            file: source.file().to_owned(),
-            what: "leaves",
-            found: total,
-            limit: GROWN_LEAVES as u64,
-        });
-    }
+    source.limit("leaves", total, GROWN_LEAVES as u64)?;
     for (leaves, (count, _)) in all.iter().zip(&sized) {
         note(leaves, *count, seed, report);
     }

@@ -102,6 +102,24 @@ impl<'a> Source<'a> {
         })
     }
 
+    /// Refuses more of something than a limit allows.
+    pub(in crate::plant) fn limit(
+        &self,
+        what: &'static str,
+        found: u64,
+        limit: u64,
+    ) -> Result<(), ImportError> {
+        if found <= limit {
+            return Ok(());
+        }
+        Err(ImportError::TooMany {
+            file: self.file.to_owned(),
+            what,
+            found,
+            limit,
+        })
+    }
+
     /// A file beside it, by the relative path that the text has, `\` read as `/`.
     ///
     /// The error says why it is not read, for a report: files beside are never needed for the shape.

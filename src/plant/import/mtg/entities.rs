@@ -199,14 +199,7 @@ impl Entities {
                 WOOD_SEGMENTS as u64,
             ),
         ] {
-            if found > limit {
-                return Err(ImportError::TooMany {
-                    file: source.file().to_owned(),
-                    what,
-                    found,
-                    limit,
-                });
-            }
+            source.limit(what, found, limit)?;
         }
         let mut parent = before;
         for back in (0..=between).rev() {

@@ -125,14 +125,7 @@ impl Head {
         let mut named = names().filter(|(_, name)| !name.trim().is_empty());
         self.first = named.next().map_or(0, |(place, _)| place);
         let count = 1 + names().count();
-        if count > TABLE_COLUMNS {
-            return Err(ImportError::TooMany {
-                file: source.file().to_owned(),
-                what: "columns",
-                found: count as u64,
-                limit: TABLE_COLUMNS as u64,
-            });
-        }
+        source.limit("columns", count as u64, TABLE_COLUMNS as u64)?;
         for (feature, known) in Feature::ALL {
             // The names stand in the order of trust.
             let plain = |name: &str| -> String {

@@ -63,11 +63,7 @@ impl Units {
             report.add(ReportKind::Guessed, 1, "line 1", message);
         }
         let frame = Frame::new(reading, UpAxis::Z, unit);
-        let metre = match reading.unit.unwrap_or(unit) {
-            Unit::M => 1.0,
-            Unit::Cm => 1e-2,
-            Unit::Mm => 1e-3,
-        };
+        let metre = 1.0 / frame.per_metre();
         let diameter = diameter_unit(greatest(Feature::Diameter), size, report);
         let area = area_unit(greatest(Feature::LeafArea), metre, report);
         Self {

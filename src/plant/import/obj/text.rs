@@ -232,7 +232,7 @@ fn points(source: &Source<'_>, report: &mut ImportReport) -> Result<Obj, ImportE
             ("texture coordinates", obj.coordinates.len()),
             ("normals", obj.normals.len()),
         ] {
-            limit(source, what, count as u64, PLACED_CORNERS)?;
+            source.limit(what, count as u64, PLACED_CORNERS)?;
         }
     }
     for (count, place, message) in [
@@ -242,23 +242,6 @@ fn points(source: &Source<'_>, report: &mut ImportReport) -> Result<Obj, ImportE
         report.add(ReportKind::Ignored, count, format!("line {place}"), message);
     }
     Ok(obj)
-}
-
-fn limit(
-    source: &Source<'_>,
-    what: &'static str,
-    found: u64,
-    limit: u64,
-) -> Result<(), ImportError> {
-    if found <= limit {
-        return Ok(());
-    }
-    Err(ImportError::TooMany {
-        file: source.file().to_owned(),
-        what,
-        found,
-        limit,
-    })
 }
 
 /// Reading faces.
@@ -410,19 +393,16 @@ impl Faces<'_, '_> {
         }
         self.faces += 1;
         self.corners += 3 * (rest.len() as u64 - 1);
-        limit(
-            self.source,
-            "triangle corners",
-            self.corners,
-            PLACED_CORNERS,
-        )?;
+        self.source
+            .limit("triangle corners", self.corners, PLACED_CORNERS)?;
         let runs = &mut self.obj.runs;
         let key = self.key;
         let number = match self.runs.get(&key) {
             Some(&number) => number,
             None => {
                 let count = runs.len() as u64 + 1;
-                limit(self.source, "groups", count, PLACED_PRIMITIVES as u64)?;
+                self.source
+                    .limit("groups", count, PLACED_PRIMITIVES as u64)?;
                 let [object, group, material] = key;
                 runs.push(Run {
                     object,

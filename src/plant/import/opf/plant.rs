@@ -200,14 +200,8 @@ impl<'a> Growing<'a> {
     ) -> Result<(), ImportError> {
         let group = &mut self.groups[group];
         self.corners += 3 * group.prototype.triangles_per_leaf().max(1) as u64;
-        if self.corners > PLACED_CORNERS {
-            return Err(ImportError::TooMany {
-                file: self.source.file().to_owned(),
-                what: "triangle corners",
-                found: self.corners,
-                limit: PLACED_CORNERS,
-            });
-        }
+        self.source
+            .limit("triangle corners", self.corners, PLACED_CORNERS)?;
         let [first, last] = mesh.ends;
         let [below, above] = organ.diameters;
         for &vertex in vertices {

@@ -105,14 +105,7 @@ fn rows(source: &Source<'_>, report: &mut ImportReport) -> Result<Vec<Row>, Impo
                 source.error(line, 1, message)
             })?;
         }
-        if rows.len() == PLACED_PRIMITIVES {
-            return Err(ImportError::TooMany {
-                file: source.file().to_owned(),
-                what: "plants",
-                found: rows.len() as u64 + 1,
-                limit: PLACED_PRIMITIVES as u64,
-            });
-        }
+        source.limit("plants", rows.len() as u64 + 1, PLACED_PRIMITIVES as u64)?;
         let [x, y, z, scale, angles @ ..] = numbers;
         rows.push(Row {
             path: path.to_owned(),

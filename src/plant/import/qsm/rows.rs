@@ -95,14 +95,7 @@ impl<'t> Rows<'t> {
                 Separator::Byte(byte) => 1 + text.matches(char::from(byte)).count(),
                 Separator::Blanks => text.split_whitespace().count(),
             };
-            if count > TABLE_COLUMNS {
-                return Err(ImportError::TooMany {
-                    file: source.file().to_owned(),
-                    what: "columns",
-                    found: count as u64,
-                    limit: TABLE_COLUMNS as u64,
-                });
-            }
+            source.limit("columns", count as u64, TABLE_COLUMNS as u64)?;
             cells.clear();
             match separator {
                 // Line by line, so that a quote that nothing closes swallows no more than its own.

@@ -92,14 +92,7 @@ impl Wood {
         source: &Source<'_>,
     ) -> Result<u32, ImportError> {
         let number = self.segments.len();
-        if number >= WOOD_SEGMENTS {
-            return Err(ImportError::TooMany {
-                file: source.file().to_owned(),
-                what: self.what,
-                found: number as u64 + 1,
-                limit: WOOD_SEGMENTS as u64,
-            });
-        }
+        source.limit(self.what, number as u64 + 1, WOOD_SEGMENTS as u64)?;
         self.segments.push(segment);
         Ok(index_u32(number))
     }
