@@ -2,12 +2,12 @@
 
 use super::arguments::Shared;
 use super::error::CliError;
-use super::own_tree::OwnTree;
+use super::own_tree::{OwnTree, judge_levels};
 use super::run::folder;
 use super::terminal::Terminal;
 use super::tree_arguments::BuildOptions;
 use crate::raster::{Counters, Options, TileSize};
-use crate::report::{ChainReport, OutputFolder, chain_json, chain_text, mean_flip, write_chain};
+use crate::report::{ChainReport, OutputFolder, chain_json, chain_text, write_chain};
 use crate::run::{ChainOptions, SessionOptions, WalkAway, lod_chain};
 use crate::scene::CardOptions;
 
@@ -42,9 +42,7 @@ pub(super) fn build(
             ..tree.scene.cards
         },
     };
-    let mut judge =
-        |full: &[_], level: &[_]| -> Result<f64, CliError> { Ok(mean_flip(full, level)?) };
-    let chain = lod_chain(crown, trunk, &wanted, &progress, &mut judge)?;
+    let chain = lod_chain(crown, trunk, &wanted, &progress, &judge_levels)?;
     drop(progress);
     let files = chain.files(crown.plant())?;
     let report = ChainReport::new(crown.plant().name(), &chain, &files, &tree.world.remarks);

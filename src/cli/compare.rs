@@ -2,18 +2,16 @@
 
 use super::arguments::Shared;
 use super::error::CliError;
-use super::own_tree::OwnTree;
+use super::own_tree::{OwnTree, judge_levels};
 use super::run::folder;
 use super::terminal::Terminal;
 use super::tree_arguments::CompareArguments;
 use crate::gpu::Card;
 use crate::models::{Kind, TrunkKind};
 use crate::raster::{Counters, Options, TileSize};
-use crate::report::{
-    CompareReport, OutputFolder, compare_json, compare_text, mean_flip, write_compare,
-};
+use crate::report::{CompareReport, OutputFolder, compare_json, compare_text, write_compare};
 use crate::run::{
-    CompareOptions, Scheme, SchemeFound, SessionOptions, Variant, WalkAway, compare as walk,
+    CompareOptions, Compared, Scheme, SessionOptions, Variant, WalkAway, compare as walk,
 };
 use crate::scene::CardOptions;
 
@@ -61,17 +59,15 @@ pub(super) fn compare(
         wood_schemes: Vec::new(),
         left_out: Vec::new(),
     };
-    let mut judge =
-        |full: &[_], level: &[_]| -> Result<f64, CliError> { Ok(mean_flip(full, level)?) };
-    let take = |found: SchemeFound| -> Result<(), CliError> {
+    let Compared { found, left_out } = walk(&tree.world, &wanted, &progress, &judge_levels)?;
+    report.left_out = left_out;
+    for found in found {
         let schemes = match found.scheme {
             Scheme::Leaves(_) => &mut report.leaf_schemes,
             Scheme::Wood(_) => &mut report.wood_schemes,
         };
         schemes.push(found);
-        Ok(())
-    };
-    report.left_out = walk(&tree.world, &wanted, &progress, &mut judge, take)?;
+    }
     drop(progress);
     write_compare(&output, &report)?;
     output.commit()?;

@@ -9,7 +9,8 @@ use super::terminal::Terminal;
 use super::tree_arguments::PlantFileOptions;
 use crate::document::Document;
 use crate::plant::SpeciesFile;
-use crate::run::{Progress, World};
+use crate::report::FlipWhereShown;
+use crate::run::{Progress, Shot, Verdict, World};
 use crate::scene::{PlantSource, Scene, SceneFile};
 
 /// The scene that the tree stands in; its camera is never used.
@@ -70,4 +71,10 @@ fn is_species(file: &Path) -> bool {
     SpeciesFile::ENDINGS
         .iter()
         .any(|known| ending.eq_ignore_ascii_case(known))
+}
+
+/// By what levels are judged.
+pub(super) fn judge_levels(full: &[Shot]) -> Result<Box<Verdict<CliError>>, CliError> {
+    let full = FlipWhereShown::new(full)?;
+    Ok(Box::new(move |level: &[Shot]| Ok(full.of(level)?)))
 }

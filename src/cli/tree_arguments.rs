@@ -55,9 +55,9 @@ pub(super) struct BuildOptions {
     /// Sides of an impostor's texture, in texels
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(8..=2048))]
     pub(super) texture: u32,
-    /// Greatest difference from full detail that goes unseen, as FLIP from 0 to 1: decides at which size a
-    /// coarser level shows
-    #[arg(long, value_name = "FLIP", default_value_t = 0.05, value_parser = tolerance)]
+    /// Greatest difference from full detail that goes unseen, as FLIP from 0 to 1, the mean where anything
+    /// shows: decides at which size a coarser level shows
+    #[arg(long, value_name = "FLIP", default_value_t = 0.15, value_parser = tolerance)]
     pub(super) tolerance: f64,
 }
 
@@ -76,8 +76,8 @@ pub(super) struct CompareArguments {
     /// Sides of a card's texture, in texels
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(8..=2048))]
     pub(super) texture: u32,
-    /// Greatest difference from full detail that goes unseen, as FLIP from 0 to 1
-    #[arg(long, value_name = "FLIP", default_value_t = 0.05, value_parser = tolerance)]
+    /// Greatest difference from full detail that goes unseen, as FLIP from 0 to 1, the mean where anything shows
+    #[arg(long, value_name = "FLIP", default_value_t = 0.15, value_parser = tolerance)]
     pub(super) tolerance: f64,
 }
 

@@ -13,10 +13,10 @@ use serde_json::{Value, json};
 use super::thumbnail::shrink;
 use super::{
     Axis, Cell, Column, Comparison, OutputFolder, Page, PageImage, Panel, PictureView, Point,
-    ReportError, Scale, Scatter, Section, Table, Thing, ViewQuality, grouped, sheet,
+    ReportError, Scale, Scatter, Section, Table, Thing, grouped, sheet,
 };
 use crate::gpu::{Card, Ledger, Link, Ticks, nanoseconds};
-use crate::run::{COMPARE_VIEWS, LeftOut, SchemeFound, SchemeStep, Shot};
+use crate::run::{COMPARE_VIEWS, LeftOut, SchemeFound, SchemeStep};
 
 /// The value of `schema` in `compare.json`.
 pub const COMPARE_SCHEMA: &str = "spinney.compare/2";
@@ -78,20 +78,6 @@ pub struct SchemeSums {
     pub worst_ms: f64,
     /// The greatest error.
     pub error: f64,
-}
-
-/// How schemes are judged: FLIP, the mean over the pictures.
-///
-/// # Errors
-///
-/// When pictures are too large, or not of one size.
-pub fn mean_flip(full: &[Shot], level: &[Shot]) -> Result<f64, ReportError> {
-    let views = |shots: &[Shot]| -> Result<Vec<PictureView>, ReportError> {
-        shots.iter().cloned().map(PictureView::of).collect()
-    };
-    let found = ViewQuality::all(&views(full)?, &views(level)?)?;
-    let sum = found.iter().fold(0.0, |sum, one| sum + one.flip);
-    Ok(sum / found.len().max(1) as f64)
 }
 
 fn milliseconds(ticks: Ticks) -> f64 {
@@ -488,7 +474,7 @@ fn plots(part: Part<'_>) -> Scatter {
 pub fn write_compare(output: &OutputFolder, report: &CompareReport) -> Result<(), ReportError> {
     let mut sections = vec![Section::Text(format!(
         "{}, {} leaves, {} triangles of wood, walking away: at each distance every scheme shows the coarsest of its \
-         levels whose difference from full detail, FLIP, is at most {}; cards that have none show their finest. \
+         levels whose difference from full detail, FLIP where anything shows, is at most {}; cards that have none show their finest. \
          Bytes of {STAY} frames a distance. Times are modelled: {}, {}. Leaves and wood are looked at one without \
          the other.",
         report.plant,

@@ -27,6 +27,7 @@ mod folder;
 mod growing;
 mod html;
 mod image;
+mod judge;
 mod number;
 mod paint;
 mod parallax;
@@ -57,18 +58,18 @@ pub use bytes::{
 pub use chain::{BUILD_SCHEMA, ChainReport, chain_json, chain_text, write_chain};
 pub use channels::{Channel, ImageFile, SampleKind};
 pub use compare::{
-    COMPARE_SCHEMA, CompareReport, STAY, SchemeSums, compare_json, compare_text, mean_flip,
-    write_compare,
+    COMPARE_SCHEMA, CompareReport, STAY, SchemeSums, compare_json, compare_text, write_compare,
 };
 pub use diff::{
     ChannelDifference, ChannelDifferences, DIFF_SCHEMA, DiffFolder, Difference, FieldDifference,
-    FileDifference, FileState, Flip, FrameDifference, ImageDifference, LookDifference, Metrics,
-    RunDifference, SizeMismatch, flip, ssim, triptych,
+    FileDifference, FileState, Flip, FlipReference, FrameDifference, ImageDifference,
+    LookDifference, Metrics, RunDifference, SizeMismatch, flip, ssim, triptych,
 };
 pub use file::write_file;
 pub use folder::{MARKER, OutputFolder};
 pub use html::{Choice, Comparison, Page, PageImage, Section};
 pub use image::{Layer, LayerSamples, Picture, encode_exr, encode_png};
+pub use judge::FlipWhereShown;
 pub use number::{decimal, grouped, hundredths};
 pub use paint::{
     PUBLISHED_PAINTING, PaintHeader, PaintReport, PublishedLevel, paint_cost_table,

@@ -9,6 +9,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::RunError;
 use super::collapse_file::collapse_file;
 use super::compare::{Judge, WalkAway, coarsest_unseen};
@@ -83,15 +85,26 @@ impl LodChain {
     ///
     /// When one would be larger than what can be read again.
     pub fn files(&self, plant: &Plant) -> Result<Vec<(String, Vec<u8>)>, RunError> {
-        let mut files = vec![("tree.glb".to_owned(), export_glb(plant)?)];
+        let mut chains: Vec<(&str, &[Rung])> = Vec::new();
         for (chain, rungs) in self.chains() {
-            let levels: Vec<&ChainLevel> = rungs.iter().map(|rung| &rung.level).collect();
-            files.push((format!("{chain}.glb"), export_chain(plant.name(), &levels)?));
-            for level in levels {
-                let bytes = export_chain(plant.name(), &[level])?;
-                files.push((format!("{}.glb", level.name), bytes));
-            }
+            chains.push((chain, rungs));
+            let levels = rungs.iter().map(std::slice::from_ref);
+            chains.extend(
+                levels
+                    .zip(rungs)
+                    .map(|(level, rung)| (rung.level.name.as_str(), level)),
+            );
         }
+        let file = |&(name, rungs): &(&str, &[Rung])| -> Result<_, RunError> {
+            let levels: Vec<&ChainLevel> = rungs.iter().map(|rung| &rung.level).collect();
+            Ok((format!("{name}.glb"), export_chain(plant.name(), &levels)?))
+        };
+        let (tree, chains) = rayon::join(
+            || export_glb(plant),
+            || chains.par_iter().map(file).collect::<Result<Vec<_>, _>>(),
+        );
+        let mut files = vec![("tree.glb".to_owned(), tree?)];
+        files.extend(chains?);
         files.push(("collapses.bin".to_owned(), self.collapses.clone()));
         Ok(files)
     }
@@ -105,24 +118,33 @@ const ROWS: f32 = 1080.0;
 /// # Errors
 ///
 /// When impostors do not fit the device on which they are baked, and what `judge` answers.
-pub fn lod_chain<E: From<RunError>>(
+pub fn lod_chain<E: From<RunError> + Send>(
     crown: &Arc<Crown>,
     trunk: Option<&Trunk>,
     options: &ChainOptions,
     progress: &dyn Progress,
-    judge: &mut Judge<'_, E>,
+    judge: &Judge<'_, E>,
 ) -> Result<LodChain, E> {
     progress.begin("levels", 4);
-    let mut leaves = leaf_rungs(crown, trunk, options.levels.max(1));
-    let all = crown.sequence().original_count() + crown.faces().leaf_count();
-    let collapses: Vec<u32> = leaves.iter().map(|rung| all - rung.leaves).collect();
-    let unseen = coarsest_unseen(crown, &collapses, &options.looks, judge)?;
-    show_unseen(&mut leaves, &unseen);
-    progress.step();
-    let branches = trunk.map_or_else(Vec::new, |trunk| branch_rungs(trunk, options.levels.max(1)));
-    progress.step();
-    let impostors = impostor_rungs(crown, trunk, &options.cards)?;
-    progress.step();
+    let most = options.levels.max(1);
+    let leaves = || -> Result<Vec<Rung>, E> {
+        let mut leaves = leaf_rungs(crown, trunk, most);
+        let all = crown.sequence().original_count() + crown.faces().leaf_count();
+        let collapses: Vec<u32> = leaves.iter().map(|rung| all - rung.leaves).collect();
+        let unseen = coarsest_unseen(crown, &collapses, &options.looks, judge)?;
+        show_unseen(&mut leaves, &unseen);
+        progress.step();
+        Ok(leaves)
+    };
+    let others = || -> Result<_, RunError> {
+        let branches = trunk.map_or_else(Vec::new, |trunk| branch_rungs(trunk, most));
+        progress.step();
+        let impostors = impostor_rungs(crown, trunk, &options.cards)?;
+        progress.step();
+        Ok((branches, impostors))
+    };
+    let (leaves, others) = rayon::join(leaves, others);
+    let (leaves, (branches, impostors)) = (leaves?, others?);
     let collapses = collapse_file(crown);
     progress.step();
     let sphere = sphere(crown.plant().bounds());

@@ -49,8 +49,8 @@ pub use cache::{CacheLimit, ModelCache};
 pub use chain::{ChainOptions, LodChain, Rung, lod_chain};
 pub use collapse_file::{COLLAPSE_SCHEMA, collapse_file};
 pub use compare::{
-    COMPARE_VIEWS, CompareOptions, Judge, LeftOut, Scheme, SchemeFound, SchemeStep, WalkAway,
-    compare,
+    COMPARE_VIEWS, CompareOptions, Compared, Judge, LeftOut, Scheme, SchemeFound, SchemeStep,
+    Verdict, WalkAway, compare,
 };
 pub use crowns::CrownStore;
 pub use export::{FrameExport, camera_json, export_frame};
@@ -80,6 +80,7 @@ pub use stand_ins::{
     CURVE_VIEWS, ClusterLook, CurvePoint, Leaves, StandIn, StandInCost, StandInFound, StandInLook,
     StandInOptions, ViewScale, stand_ins,
 };
+pub use studio::STUDIO_SKY;
 pub use sweep::{Sweep, SweepModel, SweepOptions, SweepStep, Variant, finest, sweep, sweep_seen};
 pub use transparency::{TransparencyLook, TransparencyWay, transparency_looks, transparency_ways};
 pub use views::{Shot, VIEW_SIDE, Views, corner_directions, directions};

@@ -9,8 +9,8 @@ use crate::math::{Mat4, Vec3};
 use crate::models::{Environment, Model, Placement, Resident, Shared, State, View};
 use crate::raster::{Counters, Options, Samples, Target, TileSize, decode_srgb};
 
-/// The sRGB colour behind the leaves: a hazy sky.
-const SKY: [u8; 3] = [185, 207, 228];
+/// The sRGB colour behind a model that is looked at alone: a hazy sky.
+pub const STUDIO_SKY: [u8; 3] = [185, 207, 228];
 
 /// The device of a studio; memory has no bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -155,7 +155,7 @@ impl<S> Studio<S> {
         self.resident.draw(&mut steps);
         self.resident.draw_lines(&mut steps);
         let load = Load::Clear {
-            color: decode_srgb(SKY),
+            color: decode_srgb(STUDIO_SKY),
             depth: 1.0,
         };
         let pass = RenderPass {

@@ -17,7 +17,7 @@ use std::ops::Range;
 use rayon::prelude::{IntoParallelIterator as _, ParallelIterator as _};
 
 /// Rows of a band: some times the margins, few enough to stay in a processor's cache.
-const BAND_ROWS: usize = 64;
+pub(super) const BAND_ROWS: usize = 64;
 
 /// The weights of a filter along one direction, an odd number, the middle one at 0.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 
 use super::colour::{are_equal, linear, seen_rows};
 use super::difference::{SizeMismatch, size};
-use super::filter::{Kernel, by_bands};
+use super::filter::{BAND_ROWS, Kernel, by_bands};
 use crate::math::{DMat3, DVec3, det, index_u32, whole_u32};
 use crate::report::Picture;
 
@@ -54,6 +54,49 @@ pub struct Flip {
 ///
 /// When the pictures are not of one size.
 pub fn flip(expected: &Picture, actual: &Picture) -> Result<Flip, SizeMismatch> {
+    compared(expected, actual, None)
+}
+
+/// A picture that many are held against: what is seen of it is kept, 40 bytes a pixel.
+#[derive(Debug)]
+pub struct FlipReference {
+    expected: Picture,
+    bands: Vec<Seen>,
+}
+
+impl FlipReference {
+    /// Looks at a picture.
+    #[must_use]
+    pub fn new(expected: Picture) -> Self {
+        let height = expected.height() as usize;
+        let bands = by_bands(0..height, |band| {
+            vec![FILTERS.seen_of(&expected, with_margins(&band))]
+        });
+        Self { expected, bands }
+    }
+
+    /// The picture.
+    #[must_use]
+    pub fn picture(&self) -> &Picture {
+        &self.expected
+    }
+
+    /// What [`flip`] finds of it and another.
+    ///
+    /// # Errors
+    ///
+    /// When the pictures are not of one size.
+    pub fn flip(&self, actual: &Picture) -> Result<Flip, SizeMismatch> {
+        compared(&self.expected, actual, Some(&self.bands))
+    }
+}
+
+/// Compares pictures, band by band what is seen of the first being known or not.
+fn compared(
+    expected: &Picture,
+    actual: &Picture,
+    known: Option<&[Seen]>,
+) -> Result<Flip, SizeMismatch> {
     let [wanted, found] = [expected, actual].map(size);
     if wanted != found {
         return Err(SizeMismatch {
@@ -62,7 +105,10 @@ pub fn flip(expected: &Picture, actual: &Picture) -> Result<Flip, SizeMismatch> 
         });
     }
     let [width, height] = found.map(|side| side as usize);
-    let rows = by_bands(0..height, |band| band_errors(expected, actual, band));
+    let rows = by_bands(0..height, |band| {
+        let known = known.and_then(|bands| bands.get(band.start / BAND_ROWS));
+        band_errors(expected, actual, known, band)
+    });
     let mut flip = Flip {
         mean: 0.0,
         largest: 0.0,
@@ -89,19 +135,28 @@ struct Row {
     map: Vec<u8>,
 }
 
-fn band_errors(expected: &Picture, actual: &Picture, band: Range<usize>) -> Vec<Row> {
+fn band_errors(
+    expected: &Picture,
+    actual: &Picture,
+    known: Option<&Seen>,
+    band: Range<usize>,
+) -> Vec<Row> {
     let width = expected.width() as usize;
     let filters = &*FILTERS;
-    let margin = filters.margin().cast_signed();
-    let wanted = band.start.cast_signed() - margin..band.end.cast_signed() + margin;
+    let wanted = with_margins(&band);
     if are_equal(expected, actual, wanted.start, wanted.end) {
         let row = || row_of(&vec![0.0; width]);
         return band.map(|_| row()).collect();
     }
-    let [one, other] = [expected, actual].map(|picture| {
-        let pixels = seen_rows(picture, wanted.clone());
-        filters.seen(&pixels, width)
-    });
+    let seen;
+    let one = match known {
+        Some(known) => known,
+        None => {
+            seen = filters.seen_of(expected, wanted.clone());
+            &seen
+        }
+    };
+    let other = filters.seen_of(actual, wanted);
     let errors: Vec<f64> = one
         .colours
         .iter()
@@ -136,7 +191,14 @@ fn row_of(errors: &[f64]) -> Row {
     row
 }
 
+/// The rows that decide how those of a band are seen.
+fn with_margins(band: &Range<usize>) -> Range<isize> {
+    let margin = FILTERS.margin().cast_signed();
+    band.start.cast_signed() - margin..band.end.cast_signed() + margin
+}
+
 /// A band of a picture as it is seen.
+#[derive(Debug)]
 struct Seen {
     /// L*, a*, b*, the latter two adjusted for Hunt's effect.
     colours: Vec<DVec3>,
@@ -211,6 +273,11 @@ impl Filters {
         radii.max().unwrap_or(0)
     }
 
+    /// What is seen of a band of a picture, given with its margins.
+    fn seen_of(&self, picture: &Picture, rows: Range<isize>) -> Seen {
+        self.seen(&seen_rows(picture, rows), picture.width() as usize)
+    }
+
     /// What is seen of the pixels of a band and its margins.
     fn seen(&self, pixels: &[[u8; 3]], width: usize) -> Seen {
         let margin = self.margin();
@@ -240,9 +307,16 @@ impl Filters {
             sum
         });
         let [y, cx, cz] = std::array::from_fn(|_| filtered.next().unwrap_or_default());
+        // What is even, as skies are, is worked out once.
+        let mut last = (DVec3::NAN, DVec3::NAN);
         let colour = |((&y, &cx), &cz): ((&f64, &f64), &f64)| {
-            let rgb = self.from_xyz * from_opponent(DVec3::new(y, cx, cz));
-            hunt(lab(TO_XYZ * rgb.clamp(DVec3::ZERO, DVec3::ONE)))
+            let opponent = DVec3::new(y, cx, cz);
+            if opponent != last.0 {
+                let rgb = self.from_xyz * from_opponent(opponent);
+                let lab = lab(TO_XYZ * rgb.clamp(DVec3::ZERO, DVec3::ONE));
+                last = (opponent, hunt(lab));
+            }
+            last.1
         };
         Seen {
             colours: y.iter().zip(&cx).zip(&cz).map(colour).collect(),
@@ -391,6 +465,16 @@ mod tests {
         );
         let byte = whole_u32(wanted * 255.0 + 0.5);
         assert_eq!(found.map, [u8::try_from(byte).unwrap(); 30]);
+    }
+
+    #[test]
+    fn a_reference_finds_what_two_pictures_do() {
+        let reference = FlipReference::new(example());
+        for name in ["offset", "noise", "one"] {
+            let actual = variant(name);
+            assert_eq!(reference.flip(&actual), flip(&example(), &actual), "{name}");
+        }
+        assert!(reference.flip(&even(0)).is_err());
     }
 
     #[test]

@@ -26,7 +26,7 @@ mod triptych;
 pub use channels::{ChannelDifference, ChannelDifferences};
 pub use difference::{Difference, SizeMismatch};
 pub use fields::FieldDifference;
-pub use flip::{Flip, flip};
+pub use flip::{Flip, FlipReference, flip};
 pub use image::{ImageDifference, LookDifference, Metrics};
 pub use json::DIFF_SCHEMA;
 pub use page::DiffFolder;
