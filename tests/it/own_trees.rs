@@ -223,7 +223,7 @@ fn compared_schemes_are_as_coarse_as_is_allowed() {
         );
         let leaves = numbers(&found, "leaves");
         assert!(
-            leaves.iter().rev().is_sorted() && leaves[2] < 300.0,
+            leaves.iter().all(|&leaves| leaves < 300.0),
             "{name}: {leaves:?}"
         );
     }

@@ -11,8 +11,8 @@ use crate::models::{
 use crate::run::options::SessionOptions;
 use crate::run::stand_ins::sphere_of;
 use crate::run::sweep::Variant;
-use crate::run::world::World;
-use crate::scene::Simplifier;
+use crate::run::world::{World, finest_planes};
+use crate::scene::{Simplifier, TrunkMode};
 
 /// How finely the axis of detail is looked through.
 const STEPS: u32 = 64;
@@ -56,6 +56,8 @@ pub(super) trait Part: Sync {
 pub(super) struct Leaves<'w> {
     crown: &'w Arc<Crown>,
     pruned: Option<Arc<Crown>>,
+    /// With the planes that all impostors share.
+    planar: Option<Arc<Crown>>,
     kinds: &'w [Variant],
     session: &'w SessionOptions,
 }
@@ -68,11 +70,21 @@ impl<'w> Leaves<'w> {
         session: &'w SessionOptions,
     ) -> Option<Self> {
         let crown = world.crowns.first()?;
+        if crown.plant().foliage().leaf_count() == 0 {
+            return None;
+        }
         let pruned = kinds.iter().any(|kind| kind.pruned);
         let pruned = pruned.then(|| world.simplified_by(Simplifier::Pruning));
-        (crown.plant().foliage().leaf_count() > 0).then(|| Self {
+        let planar = kinds.iter().any(|kind| in_planes(*kind));
+        let planar = planar.then(|| {
+            let planes = finest_planes(crown.plant(), &session.model.cards);
+            let crown = Crown::new(Arc::clone(crown.plant()), crown.sequence().clone());
+            Arc::new(crown.in_planes(planes))
+        });
+        Some(Self {
             crown,
             pruned: pruned.and_then(|world| world.crowns.first().cloned()),
+            planar,
             kinds,
             session,
         })
@@ -80,8 +92,14 @@ impl<'w> Leaves<'w> {
 
     fn crown(&self, kind: Variant) -> &Arc<Crown> {
         let pruned = self.pruned.as_ref().filter(|_| kind.pruned);
-        pruned.unwrap_or(self.crown)
+        let planar = self.planar.as_ref().filter(|_| in_planes(kind));
+        pruned.or(planar).unwrap_or(self.crown)
     }
+}
+
+/// Whether cards of a scheme stand in planes of their leaves.
+fn in_planes(kind: Variant) -> bool {
+    matches!(kind.kind, Kind::Impostors | Kind::IndirectImpostors)
 }
 
 impl Part for Leaves<'_> {
@@ -191,9 +209,9 @@ impl Part for Wood<'_> {
         &self.kinds
     }
 
-    /// Meshes look alike wherever they lie; branches do not.
+    /// Meshes look alike wherever they lie, and so do branches, unless a device has only some of their levels.
     fn alike(&self, kind: TrunkKind) -> TrunkKind {
-        match kind.has_errors() || !kind.has_levels() {
+        match kind.mode == TrunkMode::Levels || !kind.has_levels() {
             true => kind,
             false => TrunkKind {
                 mode: kind.name.modes()[0],
