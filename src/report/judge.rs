@@ -27,8 +27,10 @@ impl FlipWhereShown {
         })
     }
 
-    /// The mean over the pixels of all pictures that show anything before the sky, at full detail or at the
-    /// level: it does not fall with how much of a picture is empty, as a mean over all pixels would.
+    /// The mean, from 0 to 1, over the pixels of all pictures that show anything before the sky, at full detail
+    /// or at the level: it does not fall with how much of a picture is empty, as a mean over all pixels would.
+    /// What the filters spread into the sky around is not counted. Each pixel's FLIP is that of
+    /// [`Flip::map`](super::diff::Flip::map), in steps of 1/255.
     ///
     /// # Errors
     ///
@@ -36,13 +38,13 @@ impl FlipWhereShown {
     pub fn of(&self, level: &[Shot]) -> Result<f64, ReportError> {
         let pairs = self.full.par_iter().zip(level);
         let found: Vec<_> = pairs.map(|(full, level)| shown_flip(full, level)).collect();
-        let (mut sum, mut count) = (0.0, 0);
+        let (mut sum, mut count) = (0, 0);
         for pair in found {
             let (flips, shown) = pair?;
             sum += flips;
             count += shown;
         }
-        Ok(sum / count.max(1) as f64)
+        Ok(sum as f64 / (255 * count.max(1)) as f64)
     }
 }
 
@@ -51,14 +53,10 @@ fn picture(shot: &Shot) -> Result<Picture, ReportError> {
     Picture::new(image.width, image.height, image.rgba.clone())
 }
 
-/// FLIP, the sum over a picture, and how many of its pixels show anything.
-fn shown_flip(full: &FlipReference, level: &Shot) -> Result<(f64, usize), ReportError> {
+/// The sum of `255 FLIP` over the pixels of a picture that show anything, and how many these are.
+fn shown_flip(full: &FlipReference, level: &Shot) -> Result<(u64, u64), ReportError> {
     let level = picture(level)?;
-    let is_sky = |pixel: &[u8; 4]| pixel[..3] == STUDIO_SKY;
     let pixels = [full.picture(), &level].map(|picture| picture.rgba().as_chunks::<4>().0);
-    let pairs = pixels[0].iter().zip(pixels[1]);
-    let shown = pairs.filter(|(one, other)| !is_sky(one) || !is_sky(other));
-    let shown = shown.count();
     let flip = full
         .flip(&level)
         .map_err(|_mismatch| ReportError::Samples {
@@ -68,5 +66,11 @@ fn shown_flip(full: &FlipReference, level: &Shot) -> Result<(f64, usize), Report
             height: full.picture().height(),
             wanted: "a picture of the same size".to_owned(),
         })?;
-    Ok((flip.mean * pixels[0].len() as f64, shown))
+    let is_sky = |pixel: &[u8; 4]| pixel[..3] == STUDIO_SKY;
+    let pairs = pixels[0].iter().zip(pixels[1]);
+    let shown = pairs.map(|(one, other)| !is_sky(one) || !is_sky(other));
+    let errors = flip.map.iter().zip(shown).filter(|(_, shown)| *shown);
+    Ok(errors.fold((0, 0), |(sum, count), (&error, _)| {
+        (sum + u64::from(error), count + 1)
+    }))
 }

@@ -249,7 +249,7 @@ fn compared_schemes_are_as_coarse_as_is_allowed() {
         // Strips have their triangles in an order of their own, which decides where two are as near: a pixel
         // or two, of the hundred or so of the tree at the farthest.
         let flip = wood(&strict, name)["worst_flip"].as_f64();
-        assert!(flip.is_some_and(|flip| flip < 2e-2), "{name}: {flip:?}");
+        assert!(flip.is_some_and(|flip| flip < 5e-3), "{name}: {flip:?}");
         let found = wood(&loose, name);
         let flips = numbers(&found, "flip");
         assert!(flips.iter().all(|&flip| flip <= 0.2), "{name}: {flips:?}");
