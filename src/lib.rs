@@ -27,6 +27,7 @@
 //! [`golden`], [`explain`], and [`cli`], the only one that prints. [`math`], [`document`] and
 //! [`limits`] serve all; [`testkit`] tests models, ours and others'.
 
+mod choices;
 pub mod cli;
 pub mod document;
 pub mod explain;

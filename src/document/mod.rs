@@ -2,12 +2,14 @@
 //! reading TOML tables with errors that say so.
 
 mod png;
+mod xml;
 
 use std::path::Path;
 
 use crate::limits;
 
 pub use png::check_png;
+pub(crate) use xml::parse_xml;
 
 /// What is wrong with a text file, and where.
 ///

@@ -181,9 +181,8 @@ impl Device {
         let side = |side: u32, level: u32| u64::from((side >> level).max(1));
         let texel_bytes = u64::from(format.texel_bytes());
         let sizes = (0..levels).map(|level| texel_bytes * side(width, level) * side(height, level));
-        let sizes: Vec<u64> = sizes.collect();
-        self.allocate(label, sizes.iter().sum())?;
-        let texels = blank_texels(descriptor, &sizes);
+        self.allocate(label, sizes.sum())?;
+        let texels = blank_texels(descriptor);
         self.textures.push(TextureSlot {
             label: label.to_owned(),
             texels,
@@ -550,18 +549,15 @@ impl Buffer {
     }
 }
 
-fn blank_texels(descriptor: &TextureDescriptor<'_>, sizes: &[u64]) -> MipMap {
-    let levels = sizes
-        .iter()
-        .map(|&size| vec![0; index_usize(size)])
-        .collect();
-    MipMap::new(
-        descriptor.format,
-        descriptor.width,
-        descriptor.height,
+fn blank_texels(descriptor: &TextureDescriptor<'_>) -> MipMap {
+    let TextureDescriptor {
+        width,
+        height,
         levels,
-    )
-    .expect("level sizes follow from the checked sides")
+        format,
+        ..
+    } = *descriptor;
+    MipMap::blank(format, width, height, levels).expect("sides and levels were checked")
 }
 
 fn target_bytes(target: &Target) -> u64 {

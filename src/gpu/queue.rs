@@ -180,16 +180,33 @@ impl<'d> Queue<'d> {
         layer: TargetLayer,
         cause: Cause,
     ) -> Result<Vec<u8>, GpuError> {
+        let mut bytes = Vec::new();
+        self.read_target_into(target, layer, cause, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// As [`read_target`](Self::read_target), into memory that is there: many reads need not ask for more.
+    ///
+    /// # Errors
+    ///
+    /// As [`read_target`](Self::read_target); then `bytes` stays as it is.
+    pub fn read_target_into(
+        &mut self,
+        target: TargetId,
+        layer: TargetLayer,
+        cause: Cause,
+        bytes: &mut Vec<u8>,
+    ) -> Result<(), GpuError> {
         let slot = self.device.target(target)?;
         if layer != TargetLayer::Depth {
             slot.check_colour()?;
         }
-        let bytes = slot.target.layer_bytes(layer);
+        slot.target.layer_bytes_into(layer, bytes);
         let (label, size) = (slot.label.clone(), bytes.len() as u64);
         self.device
             .bus
             .move_bytes(Stream::Readback, &label, cause, size);
-        Ok(bytes)
+        Ok(())
     }
 
     /// Executes commands in order, each wholly before the next.

@@ -125,6 +125,10 @@ fn srgb_table() -> [f32; 256] {
 
 /// The byte whose linear value is nearest.
 fn srgb_of_linear(linear: f32, decode: &[f32; 256]) -> u8 {
+    // What is not there is 0, and of much nothing is there.
+    if linear <= 0.0 {
+        return 0;
+    }
     let above = decode
         .partition_point(|&value| value < linear)
         .clamp(1, 255);

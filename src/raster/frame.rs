@@ -195,8 +195,7 @@ impl Target {
         let clear = encode(encoder, self.clear_colour);
         let rows = rgba.par_chunks_mut(4 * self.width.max(1) as usize);
         rows.zip(0..self.height).for_each(|(row, y)| {
-            let blocks = &self.blocks[(y / BLOCK_SIDE) as usize * self.columns..];
-            let first = ((y % BLOCK_SIDE) * BLOCK_SIDE) as usize;
+            let (blocks, first) = self.blocks_of_row(y);
             // Neighbours are often alike to the bit, above all where nothing was drawn.
             let mut last = (self.clear_colour, clear);
             for (pixels, block) in row.chunks_mut(4 * BLOCK_SIDE as usize).zip(blocks) {
@@ -218,6 +217,23 @@ impl Target {
             height: self.height,
             rgba,
         }
+    }
+
+    /// The colour of blocks that nothing was drawn into.
+    pub(super) fn clear_colour(&self) -> Vec4 {
+        self.clear_colour
+    }
+
+    /// The bits of the depth of blocks that nothing was drawn into.
+    pub(super) fn clear_depth(&self) -> u32 {
+        self.clear_depth
+    }
+
+    /// The blocks of a row of pixels and of those below, from the left, and the place in each of the row's
+    /// first pixel.
+    pub(super) fn blocks_of_row(&self, y: u32) -> (&[Block], usize) {
+        let blocks = &self.blocks[(y / BLOCK_SIDE) as usize * self.columns..];
+        (blocks, ((y % BLOCK_SIDE) * BLOCK_SIDE) as usize)
     }
 
     /// The block of a pixel that was drawn into, and the pixel's place in it.
@@ -292,8 +308,14 @@ impl Block {
         self.keys = kept;
     }
 
+    /// Whether anything was drawn into it since the target was cleared.
+    pub(super) fn is_used(&self) -> bool {
+        self.used
+    }
+
+    /// The linear colour of the pixel of a place.
     #[inline]
-    fn resolve(&self, index: usize, samples: Samples) -> Vec4 {
+    pub(super) fn resolve(&self, index: usize, samples: Samples) -> Vec4 {
         match samples {
             Samples::One => self.colour[index],
             Samples::Four => {

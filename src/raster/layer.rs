@@ -4,6 +4,8 @@ use rayon::prelude::*;
 
 use super::Target;
 use super::colour::unit_byte;
+use super::frame::{BLOCK_SIDE, Block};
+use crate::math::Vec4;
 
 /// One of the things that a target holds of each pixel, rows from the top: four bytes a pixel, but of
 /// [`Float`](Self::Float) sixteen.
@@ -25,36 +27,75 @@ impl Target {
     /// The bytes of a layer.
     #[must_use]
     pub fn layer_bytes(&self, layer: TargetLayer) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.layer_bytes_into(layer, &mut bytes);
+        bytes
+    }
+
+    /// Makes `bytes` those of a layer, in memory that it has.
+    pub(crate) fn layer_bytes_into(&self, layer: TargetLayer, bytes: &mut Vec<u8>) {
         match layer {
-            TargetLayer::Colour => self.resolve().rgba,
-            TargetLayer::Linear => self.pixel_bytes(|x, y| {
-                let colour = self.colour(x, y);
-                colour.to_array().map(unit_byte)
-            }),
-            TargetLayer::Float => self.pixel_bytes(|x, y| {
+            TargetLayer::Colour => *bytes = self.resolve().rgba,
+            TargetLayer::Linear => {
+                self.colours_into(bytes, |colour| colour.to_array().map(unit_byte));
+            }
+            TargetLayer::Float => self.colours_into(bytes, |colour| {
                 let mut bytes = [0; 16];
                 let channels = bytes.as_chunks_mut().0.iter_mut();
-                for (bytes, channel) in channels.zip(self.colour(x, y).to_array()) {
+                for (bytes, channel) in channels.zip(colour.to_array()) {
                     *bytes = channel.to_le_bytes();
                 }
                 bytes
             }),
-            TargetLayer::Depth => self.pixel_bytes(|x, y| self.depth(x, y).to_le_bytes()),
+            TargetLayer::Depth => {
+                let clear = self.clear_depth().to_le_bytes();
+                let samples = self.samples().count();
+                self.pixels_into(bytes, clear, |block, pixel| {
+                    block.depth[pixel * samples].to_le_bytes()
+                });
+            }
         }
     }
 
-    fn pixel_bytes<const BYTES: usize>(
+    fn colours_into<const BYTES: usize>(
         &self,
-        pixel_of: impl Fn(u32, u32) -> [u8; BYTES] + Sync,
-    ) -> Vec<u8> {
-        let mut bytes = vec![0; BYTES * self.width() as usize * self.height() as usize];
-        let rows = bytes.par_chunks_mut(BYTES * self.width().max(1) as usize);
-        rows.zip(0..self.height()).for_each(|(row, y)| {
-            for (pixel, x) in row.as_chunks_mut().0.iter_mut().zip(0..) {
-                *pixel = pixel_of(x, y);
+        bytes: &mut Vec<u8>,
+        encode: impl Fn(Vec4) -> [u8; BYTES] + Sync,
+    ) {
+        let (clear, samples) = (encode(self.clear_colour()), self.samples());
+        let has_colour = self.has_colour();
+        self.pixels_into(bytes, clear, |block, pixel| {
+            if has_colour {
+                encode(block.resolve(pixel, samples))
+            } else {
+                clear
             }
         });
-        bytes
+    }
+
+    /// The bytes of each pixel, rows from the top: `clear` where nothing was drawn into a block, else those of
+    /// the pixel of that place in the block.
+    fn pixels_into<const BYTES: usize>(
+        &self,
+        bytes: &mut Vec<u8>,
+        clear: [u8; BYTES],
+        pixel_of: impl Fn(&Block, usize) -> [u8; BYTES] + Sync,
+    ) {
+        bytes.resize(BYTES * self.width() as usize * self.height() as usize, 0);
+        let rows = bytes.par_chunks_mut(BYTES * self.width().max(1) as usize);
+        rows.zip(0..self.height()).for_each(|(row, y)| {
+            let (blocks, first) = self.blocks_of_row(y);
+            let pieces = row.as_chunks_mut().0.chunks_mut(BLOCK_SIDE as usize);
+            for (pixels, block) in pieces.zip(blocks) {
+                if block.is_used() {
+                    for (pixel, place) in pixels.iter_mut().zip(first..) {
+                        *pixel = pixel_of(block, place);
+                    }
+                } else {
+                    pixels.fill(clear);
+                }
+            }
+        });
     }
 }
 
@@ -62,7 +103,6 @@ impl Target {
 mod tests {
     use super::super::Samples;
     use super::*;
-    use crate::math::Vec4;
 
     #[test]
     fn a_cleared_target_reads_as_it_was_cleared() {

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use fearless_simd::{Simd, SimdBase, i32x8};
+use rayon::prelude::*;
 
 /// The alphas of squares of texels.
 ///
@@ -20,15 +21,20 @@ pub(super) struct Squares {
 }
 
 impl Squares {
-    /// Of a level of four bytes a texel, rows from the top, alpha last.
-    pub(super) fn new(size: [u32; 2], bytes: &[u8]) -> Self {
+    /// Of a level all of whose bytes are 0.
+    pub(super) fn blank(size: [u32; 2]) -> Self {
         let [columns, rows] = size.map(|side| side as usize);
-        let mut squares = Self {
+        Self {
             size,
             squares: vec![0; (columns + 1) * (rows + 1)],
-            range: [u8::MAX, 0],
-        };
-        squares.renew(bytes, 0..rows);
+            range: [0, 0],
+        }
+    }
+
+    /// Of a level of four bytes a texel, rows from the top, alpha last.
+    pub(super) fn new(size: [u32; 2], bytes: &[u8]) -> Self {
+        let mut squares = Self::blank(size);
+        squares.renew(bytes, 0..size[1] as usize);
         squares
     }
 
@@ -38,14 +44,23 @@ impl Squares {
             return;
         }
         self.find_range(bytes, &rows);
-        let columns = self.size[0] as usize + 1;
-        for row in rows.start..=rows.end {
-            let first = row * columns;
-            let squares = &mut self.squares[first..first + columns];
-            for (column, to) in squares.iter_mut().enumerate() {
-                *to = square(self.size, bytes, [column, row]);
-            }
-        }
+        let width = self.size[0] as usize;
+        let columns = width + 1;
+        let last = self.size[1] as usize - 1;
+        let texels = |row: usize| &bytes.as_chunks::<4>().0[row * width..(row + 1) * width];
+        let renewed = &mut self.squares[rows.start * columns..(rows.end + 1) * columns];
+        renewed
+            .par_chunks_exact_mut(columns)
+            .with_min_len((PARALLEL / columns).max(1))
+            .zip(rows.start..rows.end + 1)
+            .for_each(|(squares, row)| {
+                // Beyond the rim the nearest texel.
+                between(
+                    squares,
+                    texels(row.saturating_sub(1)),
+                    texels(row.min(last)),
+                );
+            });
     }
 
     /// Looks at no more texels than are new: those that they replace may have been the last ones at an end.
@@ -54,10 +69,14 @@ impl Squares {
         let row = self.size[0] as usize;
         let whole = rows.len() == self.size[1] as usize;
         let start = if whole { [u8::MAX, 0] } else { self.range };
-        let new = texels[rows.start * row..rows.end * row].iter();
-        self.range = new.fold(start, |[least, greatest], texel| {
-            [least.min(texel[3]), greatest.max(texel[3])]
+        let both = |a: [u8; 2], b: [u8; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        let new = texels[rows.start * row..rows.end * row].par_chunks(PARALLEL);
+        let ranges = new.map(|texels| {
+            let alphas = texels.iter().map(|texel| [texel[3]; 2]);
+            alphas.fold([u8::MAX, 0], both)
         });
+        let ranges: Vec<[u8; 2]> = ranges.collect();
+        self.range = ranges.into_iter().fold(start, both);
     }
 
     /// No alpha is less than the first, and none is greater than the second.
@@ -81,15 +100,16 @@ impl Squares {
     }
 }
 
-fn square(size: [u32; 2], bytes: &[u8], place: [usize; 2]) -> u32 {
-    let [width, height] = size.map(|side| side as usize);
-    let before = place.map(|at| at.saturating_sub(1));
-    let behind = [place[0].min(width - 1), place[1].min(height - 1)];
-    let alpha = |x: usize, y: usize| bytes[4 * (y * width + x) + 3];
-    u32::from_le_bytes([
-        alpha(before[0], before[1]),
-        alpha(behind[0], before[1]),
-        alpha(before[0], behind[1]),
-        alpha(behind[0], behind[1]),
-    ])
+/// About how many squares are worth a thread's while.
+const PARALLEL: usize = 1 << 15;
+
+/// The squares between two rows of texels.
+fn between(squares: &mut [u32], upper: &[[u8; 4]], lower: &[[u8; 4]]) {
+    let pairs = upper.iter().zip(lower).map(|(up, low)| [up[3], low[3]]);
+    let mut before = [upper[0][3], lower[0][3]];
+    let behind = pairs.clone().skip(upper.len() - 1);
+    for (to, at) in squares.iter_mut().zip(pairs.chain(behind)) {
+        *to = u32::from_le_bytes([before[0], at[0], before[1], at[1]]);
+        before = at;
+    }
 }

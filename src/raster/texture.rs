@@ -46,11 +46,42 @@ impl MipMap {
                 let (width, height) = size_of_level(width, height, level);
                 bytes.len() == format.texel_bytes() as usize * width as usize * height as usize
             });
+        fits.then(|| Self::of_levels(format, [width, height], levels, Squares::new))
+    }
+
+    /// A texture of so many levels, all of whose bytes are 0.
+    ///
+    /// Returns `None` as [`new`](Self::new).
+    #[must_use]
+    pub fn blank(format: TextureFormat, width: u32, height: u32, levels: u32) -> Option<Self> {
+        let sides = 1..=Self::MAX_SIDE;
+        let fits = sides.contains(&width)
+            && sides.contains(&height)
+            && (1..=Self::full_chain(width, height)).contains(&levels);
+        let bytes = |level| {
+            let (width, height) = size_of_level(width, height, level);
+            vec![0; format.texel_bytes() as usize * width as usize * height as usize]
+        };
+        fits.then(|| {
+            let levels = (0..levels).map(bytes).collect();
+            Self::of_levels(format, [width, height], levels, |size, _| {
+                Squares::blank(size)
+            })
+        })
+    }
+
+    /// Of levels whose sizes are right; `squares_of` makes what is kept of alphas.
+    fn of_levels(
+        format: TextureFormat,
+        [width, height]: [u32; 2],
+        levels: Vec<Vec<u8>>,
+        squares_of: impl Fn([u32; 2], &[u8]) -> Squares,
+    ) -> Self {
         let level = |(bytes, level): (Vec<u8>, u32)| {
             let (width, height) = size_of_level(width, height, level);
             let squares = match format {
                 TextureFormat::Srgb8 | TextureFormat::Linear8 => {
-                    Some(Squares::new([width, height], &bytes))
+                    Some(squares_of([width, height], &bytes))
                 }
                 TextureFormat::Float32 => None,
             };
@@ -65,12 +96,12 @@ impl MipMap {
             TextureFormat::Srgb8 => (colour::decoding(), Vec4::new(1.0, 1.0, 1.0, 255.0)),
             TextureFormat::Linear8 | TextureFormat::Float32 => (&PLAIN, Vec4::splat(255.0)),
         };
-        fits.then(|| Self {
+        Self {
             levels: levels.into_iter().zip(0..).map(level).collect(),
             format,
             decoding,
             divisor,
-        })
+        }
     }
 
     /// What its texels are.

@@ -1,6 +1,6 @@
 //! How wood and needles are drawn as polygons and lines: what a scene's `[branches]` says.
 
-use super::model::choices;
+use crate::choices::choices;
 
 choices! {
     /// How an error becomes the errors of its parts.

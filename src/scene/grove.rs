@@ -1,6 +1,6 @@
 //! How forests of patches are drawn: what a scene's `[grove]` says.
 
-use super::model::choices;
+use crate::choices::choices;
 
 choices! {
     /// What is drawn at once.

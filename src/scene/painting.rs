@@ -1,6 +1,6 @@
 //! How trees are painted where the model draws strokes, with all options.
 
-use super::model::choices;
+use crate::choices::choices;
 use crate::limits;
 
 choices! {

@@ -1,71 +1,37 @@
 //! Which format a file has: as told, or by its content, or by its ending.
 
+use crate::choices::choices;
+
 use super::{ImportError, ImportReport, ReportKind, Source};
 
-/// A format that trees are kept in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum Format {
-    /// glTF 2.0, as text or binary: meshes.
-    Gltf,
-    /// Wavefront OBJ: meshes.
-    Obj,
-    /// The cylinder table of `TreeQSM`: wood of a scanned tree.
-    TreeQsm,
-    /// The cylinder table of `SimpleForest`: wood of a scanned tree.
-    SimpleForest,
-    /// A cylinder table as aRchi keeps it: wood of a scanned tree.
-    Archi,
-    /// A treefile of raycloudtools: wood of scanned trees.
-    Treefile,
-    /// A multi-scale tree graph: wood, and leaves by number, area or size.
-    Mtg,
-    /// AMAP's Open Plant Format: wood and leaves by reference meshes.
-    Opf,
-    /// A scene of Open Plant Format files.
-    Ops,
+choices! {
+    /// A format that trees are kept in.
+    #[derive(serde::Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    #[non_exhaustive]
+    Format {
+        /// glTF 2.0, as text or binary: meshes.
+        Gltf = "gltf",
+        /// Wavefront OBJ: meshes.
+        Obj = "obj",
+        /// The cylinder table of `TreeQSM`: wood of a scanned tree.
+        TreeQsm = "tree-qsm",
+        /// The cylinder table of `SimpleForest`: wood of a scanned tree.
+        SimpleForest = "simple-forest",
+        /// A cylinder table as aRchi keeps it: wood of a scanned tree.
+        Archi = "archi",
+        /// A treefile of raycloudtools: wood of scanned trees.
+        Treefile = "treefile",
+        /// A multi-scale tree graph: wood, and leaves by number, area or size.
+        Mtg = "mtg",
+        /// AMAP's Open Plant Format: wood and leaves by reference meshes.
+        Opf = "opf",
+        /// A scene of Open Plant Format files.
+        Ops = "ops",
+    }
 }
 
 impl Format {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::Gltf,
-        Self::Obj,
-        Self::TreeQsm,
-        Self::SimpleForest,
-        Self::Archi,
-        Self::Treefile,
-        Self::Mtg,
-        Self::Opf,
-        Self::Ops,
-    ];
-
-    /// The names in options and scene files, in the order of [`Format::ALL`].
-    pub const NAMES: &[&str] = &[
-        "gltf",
-        "obj",
-        "tree-qsm",
-        "simple-forest",
-        "archi",
-        "treefile",
-        "mtg",
-        "opf",
-        "ops",
-    ];
-
-    /// As options and scenes spell it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// The format of a name.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|format| format.name() == name)
-    }
-
     /// As its users write it.
     #[must_use]
     pub fn title(self) -> &'static str {
@@ -209,7 +175,7 @@ mod tests {
 
     #[test]
     fn names_go_both_ways() {
-        for format in Format::ALL {
+        for &format in Format::ALL {
             assert_eq!(Format::from_name(format.name()), Some(format));
         }
         assert_eq!(Format::from_name("ply"), None);

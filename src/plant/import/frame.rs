@@ -1,67 +1,32 @@
 //! From a file's coordinates to a plant's: which way is up, how long a unit is, where the base stands.
 
 use super::{ImportReport, Reading, ReportKind};
+use crate::choices::choices;
 use crate::math::{DVec3, Vec3};
 
-/// The axis of a file that points up; both kinds are right-handed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum UpAxis {
-    /// +Y, as plants have it.
-    Y,
-    /// +Z; a plant's x, y, z are the file's x, z, −y.
-    Z,
-}
-
-/// The unit of a file's lengths.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
-    /// 1 m.
-    M,
-    /// 0.01 m.
-    Cm,
-    /// 0.001 m.
-    Mm,
-}
-
-impl UpAxis {
-    /// All of them, in the order of their names.
-    pub const ALL: [Self; 2] = [Self::Y, Self::Z];
-
-    /// The names in options and scene files, in the order of [`UpAxis::ALL`].
-    pub const NAMES: &[&str] = &["y", "z"];
-
-    /// As options and scenes spell it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
+choices! {
+    /// The axis of a file that points up; both kinds are right-handed.
+    UpAxis {
+        /// +Y, as plants have it.
+        Y = "y",
+        /// +Z; a plant's x, y, z are the file's x, z, −y.
+        Z = "z",
     }
+}
 
-    /// The axis of a name.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|up| up.name() == name)
+choices! {
+    /// The unit of a file's lengths.
+    Unit {
+        /// 1 m.
+        M = "m",
+        /// 0.01 m.
+        Cm = "cm",
+        /// 0.001 m.
+        Mm = "mm",
     }
 }
 
 impl Unit {
-    /// All of them, the longest first.
-    pub const ALL: [Self; 3] = [Self::M, Self::Cm, Self::Mm];
-
-    /// The names in options and scene files, in the order of [`Unit::ALL`].
-    pub const NAMES: &[&str] = &["m", "cm", "mm"];
-
-    /// As options and scenes spell it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// The unit of a name.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| unit.name() == name)
-    }
-
     /// How many units a metre has.
     fn per_metre(self) -> f64 {
         match self {

@@ -194,7 +194,10 @@ pub fn read_sources(path: &Path, options: &ImportOptions) -> Result<PlantSources
     let names = match format {
         // What it names is in its head; the meshes need not be read.
         Format::Gltf => gltf::named_files(&source)?,
-        _ => {
+        Format::TreeQsm | Format::SimpleForest | Format::Archi | Format::Treefile | Format::Mtg => {
+            Vec::new()
+        }
+        Format::Obj | Format::Opf | Format::Ops => {
             import_source(&source, options)?;
             source.named.take()
         }

@@ -207,6 +207,7 @@ fn bake_on_sheets(
     let depths: Vec<[f32; 2]> = views.par_iter().map(|view| depths(leaves, view)).collect();
     let stage = BakeStage::send(&mut device, leaves, views, (&sheets, &sizes, &depths))?;
     let mut baked: Vec<BakedView> = Vec::with_capacity(views.len());
+    let mut seen = Vec::new();
     for numbers in sheets.places.chunk_by(|a, b| a.sheet == b.sheet) {
         let first = baked.len();
         let pass = RenderPass {
@@ -219,9 +220,10 @@ fn bake_on_sheets(
             steps: stage.steps(first..first + numbers.len()),
         };
         device.queue().submit(&[Command::Render(pass)])?;
-        let seen = device
+        let (layer, cause) = (TargetLayer::Float, Cause::of("bake"));
+        device
             .queue()
-            .read_target(target, TargetLayer::Float, Cause::of("bake"))?;
+            .read_target_into(target, layer, cause, &mut seen)?;
         let (pixels, width) = (seen.as_chunks().0, sheets.size[0]);
         let resolved = numbers
             .par_iter()

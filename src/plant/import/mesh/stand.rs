@@ -71,7 +71,7 @@ pub(in crate::plant) fn guess_frame(
         return Frame::new(reading, UpAxis::Y, Unit::M);
     };
     let up = reading.up.unwrap_or_else(|| {
-        let [y, z] = UpAxis::ALL.map(|up| foot(visit, &all, up));
+        let [y, z] = [UpAxis::Y, UpAxis::Z].map(|up| foot(visit, &all, up));
         let is_longer = all.size().z > all.size().y;
         let is_z = if y.max(z) <= 1.25 * y.min(z) {
             is_longer

@@ -437,7 +437,7 @@ fn scenes_that_cannot_be_are_refused() {
         ("1 1 /a.opf 0 0 0 1\n", "is not a relative path"),
         (
             "1 1 broken.opf 0 0 0 1\n",
-            "broken.opf:1:1: not an OPF document",
+            "broken.opf:2:11: not an OPF document",
         ),
     ] {
         let error = scene(rows);

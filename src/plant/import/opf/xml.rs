@@ -1,8 +1,8 @@
 //! XML with errors that have a place.
 
-use crate::limits::XML_NODES;
+use crate::document::{DocumentError, parse_xml};
 use crate::plant::import::{ImportError, Source};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node};
 
 /// A parsed document and where its lines begin.
 #[derive(Debug)]
@@ -15,23 +15,10 @@ pub(super) struct Xml<'a> {
 }
 
 impl<'a> Xml<'a> {
-    /// Parses a text. Nesting costs no stack; entities of the document's own are refused, which could stand
-    /// for any amount of text.
+    /// Parses a text.
     pub(super) fn parse(source: &'a Source<'a>, text: &'a str) -> Result<Self, ImportError> {
-        let options = ParsingOptions {
-            nodes_limit: XML_NODES,
-            ..ParsingOptions::default()
-        };
-        let document = Document::parse_with_options(text, options).map_err(|error| {
-            let position = error.pos();
-            let message = match error {
-                roxmltree::Error::NodesLimitReached => {
-                    format!("more than {XML_NODES} elements and texts; split or thin the tree")
-                }
-                error => format!("not an OPF document: {error}"),
-            };
-            source.error(position.row as usize, position.col as usize, message)
-        })?;
+        let document = parse_xml(source.file(), text, "an OPF document");
+        let document = document.map_err(ImportError::Syntax)?;
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         Ok(Self {
             source,
@@ -49,13 +36,9 @@ impl<'a> Xml<'a> {
 
     /// An error at an element.
     pub(super) fn error(&self, node: Node<'_, '_>, message: impl Into<String>) -> ImportError {
-        let line = self.line(node);
         let start = node.range().start;
-        let first = line
-            .checked_sub(2)
-            .map_or(0, |before| self.ends[before] + 1);
-        let column = 1 + self.text[first..start].chars().count();
-        self.source.error(line, column, message)
+        let error = DocumentError::at(self.source.file(), self.text, start, message);
+        ImportError::Syntax(error)
     }
 
     /// The numbers that an element holds.

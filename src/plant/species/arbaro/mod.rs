@@ -13,8 +13,7 @@ mod tests;
 use super::{
     Blade, Clump, Crown, FoliageKind, LeafHabit, Pruning, Shape, Species, StemLevel, Wood,
 };
-use crate::document::{Document, DocumentError};
-use crate::limits::XML_NODES;
+use crate::document::{Document, DocumentError, parse_xml};
 use crate::plant::Silhouette;
 use crate::plant::import::{ImportReport, ReportKind};
 use std::collections::BTreeMap;
@@ -44,20 +43,7 @@ impl ArbaroSpecies {
     /// When the document is no XML, names entities of its own, has no species, or holds a value that is no
     /// number: with file, line and column, what was found and what would be right.
     pub fn parse(document: &Document) -> Result<Self, DocumentError> {
-        let options = roxmltree::ParsingOptions {
-            nodes_limit: XML_NODES,
-            ..roxmltree::ParsingOptions::default()
-        };
-        let xml = roxmltree::Document::parse_with_options(&document.text, options);
-        let xml = xml.map_err(|error| {
-            let position = error.pos();
-            DocumentError {
-                file: document.file.clone(),
-                line: position.row as usize,
-                column: position.col as usize,
-                message: format!("not an Arbaro file: {error}"),
-            }
-        })?;
+        let xml = parse_xml(&document.file, &document.text, "an Arbaro file")?;
         let root = xml.root_element();
         let species = root.descendants().find(|node| node.has_tag_name("species"));
         let Some(species) = species.filter(|_| root.has_tag_name("arbaro")) else {

@@ -202,7 +202,7 @@ fn what_is_no_arbaro_file_is_refused_with_its_place() {
         "tree.xml:1:1: no <arbaro> with a <species> in it; it holds the parameters"
     );
     assert!(
-        parse("<arbaro>\n<species>").starts_with("tree.xml:1:1: not an Arbaro file"),
+        parse("<arbaro>\n<species>").starts_with("tree.xml:2:10: not an Arbaro file"),
         "{}",
         parse("<arbaro>\n<species>")
     );
