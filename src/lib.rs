@@ -27,7 +27,6 @@
 //! [`golden`], [`explain`], and [`cli`], the only one that prints. [`math`], [`document`] and
 //! [`limits`] serve all; [`testkit`] tests models, ours and others'.
 
-mod choices;
 pub mod cli;
 pub mod document;
 pub mod explain;

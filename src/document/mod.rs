@@ -1,6 +1,7 @@
-//! Files at the border: reading them whole up to a limit, where in a text something is wrong, and
-//! reading TOML tables with errors that say so.
+//! Files at the border: reading them whole up to a limit, where in a text something is wrong, reading
+//! TOML tables and XML with errors that say so, and enums whose values they choose by name.
 
+mod choices;
 mod png;
 mod xml;
 
@@ -8,6 +9,7 @@ use std::path::Path;
 
 use crate::limits;
 
+pub(crate) use choices::choices;
 pub use png::check_png;
 pub(crate) use xml::parse_xml;
 

@@ -1,6 +1,6 @@
 //! How wood and needles are drawn as polygons and lines: what a scene's `[branches]` says.
 
-use crate::choices::choices;
+use crate::document::choices;
 
 choices! {
     /// How an error becomes the errors of its parts.

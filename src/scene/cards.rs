@@ -1,7 +1,7 @@
 //! What stands in for leaves where a model draws cards, with all its options.
 
 use super::DetailRange;
-use crate::choices::choices;
+use crate::document::choices;
 use crate::limits;
 
 choices! {

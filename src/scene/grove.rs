@@ -1,6 +1,6 @@
 //! How forests of patches are drawn: what a scene's `[grove]` says.
 
-use crate::choices::choices;
+use crate::document::choices;
 
 choices! {
     /// What is drawn at once.

@@ -1,6 +1,6 @@
 //! Which level-of-detail system is asked for, and with which options.
 
-use crate::choices::choices;
+use crate::document::choices;
 
 choices! {
     /// The level-of-detail systems.

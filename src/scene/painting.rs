@@ -1,6 +1,6 @@
 //! How trees are painted where the model draws strokes, with all options.
 
-use crate::choices::choices;
+use crate::document::choices;
 use crate::limits;
 
 choices! {

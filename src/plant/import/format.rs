@@ -1,6 +1,6 @@
 //! Which format a file has: as told, or by its content, or by its ending.
 
-use crate::choices::choices;
+use crate::document::choices;
 
 use super::{ImportError, ImportReport, ReportKind, Source};
 

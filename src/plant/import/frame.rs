@@ -1,7 +1,7 @@
 //! From a file's coordinates to a plant's: which way is up, how long a unit is, where the base stands.
 
 use super::{ImportReport, Reading, ReportKind};
-use crate::choices::choices;
+use crate::document::choices;
 use crate::math::{DVec3, Vec3};
 
 choices! {
